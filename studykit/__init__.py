@@ -1,0 +1,1 @@
+"""studykit: design, run and analyse clinical studies of personalised dance exergames."""

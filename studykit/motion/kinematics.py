@@ -1,0 +1,120 @@
+"""Where the joints are and how fast they move, from how they are turned."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from studykit.core.arrays import Floats
+from studykit.motion import rotation
+from studykit.motion.motion import Motion
+from studykit.motion.skeleton import NEUTRAL_BODY, Skeleton
+
+
+def global_rotations(skeleton: Skeleton, rotations: Floats) -> Floats:
+    """Turn parent-relative rotations into rotations relative to the world.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+        Gives the parents.
+    rotations : ndarray, shape (..., joint, 4)
+        Unit quaternions relative to the parent.
+
+    Returns
+    -------
+    ndarray, shape (..., joint, 4)
+    """
+    world = np.array(rotations)
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            world[..., joint, :] = rotation.multiply(world[..., parent, :], rotations[..., joint, :])
+    return world
+
+
+def local_rotations(skeleton: Skeleton, world: Floats) -> Floats:
+    """Undo `global_rotations`: make rotations relative to the parent again, shape (..., joint, 4)."""
+    parents = np.array(skeleton.parents[1:])
+    local = np.array(world)
+    local[..., 1:, :] = rotation.multiply(rotation.inverse(world[..., parents, :]), world[..., 1:, :])
+    return local
+
+
+def joint_positions(motion: Motion) -> Floats:
+    """Give where every joint is, in every frame (forward kinematics).
+
+    Returns
+    -------
+    ndarray, shape (frame, joint, 3), m
+        World positions; the root lies at `motion.root_positions`.
+
+    Notes
+    -----
+    p_j = p_parent + G_parent o_j, with G the world rotation and o_j the rest offset.
+    """
+    positions = centred_positions(motion.skeleton, motion.rotations)
+    return positions + motion.root_positions[:, None, :]
+
+
+def centred_positions(skeleton: Skeleton, rotations: Floats) -> Floats:
+    """Give where every joint is from the pelvis, shape (..., joint, 3), m; the pelvis stays at the origin."""
+    world = global_rotations(skeleton, rotations)
+    positions = np.zeros((*rotations.shape[:-1], 3))
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            bone = rotation.rotate(world[..., parent, :], skeleton.offsets[joint])
+            positions[..., joint, :] = positions[..., parent, :] + bone
+    return positions
+
+
+def facing(positions: Floats) -> Floats:
+    """Give the direction the body faces, as the angle of its front from +Z towards +X.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (..., 24, 3), m
+        Joint positions in SMPL's order.
+
+    Returns
+    -------
+    ndarray, shape (...), rad
+        From the line across hips and shoulders, as HumanML3D does.
+    """
+    index = NEUTRAL_BODY.index
+    across = (
+        positions[..., index("left_hip"), :]
+        - positions[..., index("right_hip"), :]
+        + positions[..., index("left_shoulder"), :]
+        - positions[..., index("right_shoulder"), :]
+    )
+    # left x up = front: (lx, ly, lz) x (0, 1, 0) = (-lz, 0, lx)
+    return np.asarray(np.arctan2(-across[..., 2], across[..., 0]))
+
+
+def turned(motion: Motion, angle_rad: float, *, about: Floats | None = None) -> Motion:
+    """Turn a whole motion about the vertical axis.
+
+    Parameters
+    ----------
+    angle_rad : float
+        Positive turns +Z towards +X.
+    about : ndarray, shape (3,), m, optional
+        The point that stays; the origin if not given.
+    """
+    turn = rotation.yaw(angle_rad)
+    centre = np.zeros(3) if about is None else about
+    rotations = np.array(motion.rotations)
+    rotations[:, 0] = rotation.multiply(turn, motion.rotations[:, 0])
+    root = rotation.rotate(turn, motion.root_positions - centre) + centre
+    return Motion(
+        skeleton=motion.skeleton, rotations=rotations, root_positions=root, frame_rate_hz=motion.frame_rate_hz
+    )
+
+
+def linear_velocities(positions: Floats, frame_rate_hz: float) -> Floats:
+    """Give how fast each joint moves from each frame to the next (Eq. 7), shape (frame - 1, joint, 3), m/s."""
+    return np.diff(positions, axis=0) * frame_rate_hz
+
+
+def angular_velocities(rotations: Floats, frame_rate_hz: float) -> Floats:
+    """Give how fast each joint turns relative to its parent (Eq. 10), shape (frame - 1, joint, 3), rad/s."""
+    return rotation.between(rotations[:-1], rotations[1:]) * frame_rate_hz
