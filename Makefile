@@ -1,0 +1,68 @@
+# The two commands that matter: `make demo` shows a whole study, `make test` checks everything.
+# Both set themselves up; nothing outside this folder is touched.
+
+PYTHON ?= python3
+WORKERS ?= 2
+# Further words for the command, for example: make demo ARGS="--participants 4"
+ARGS ?=
+
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+DECLARED := pyproject.toml constraints.txt
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test test-slow test-smplx benchmark lint clean
+
+help: ## say what can be made
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
+
+demo: .venv/core.stamp ## a whole study with simulated people, into sessions/demo
+	$(BIN)/studykit demo $(ARGS)
+
+test: lint ## style, types, layers and all quick tests
+	$(BIN)/python -m pytest -p no:benchmark -n $(WORKERS) $(ARGS)
+
+test-slow: .venv/test.stamp ## the proofs that take minutes
+	$(BIN)/python -m pytest -p no:benchmark -m slow $(ARGS)
+
+test-smplx: .venv-smplx/smplx.stamp ## our joints beside those of the smplx package (brings torch, 1 GB)
+	.venv-smplx/bin/python -m pytest -rs tests/golden/test_smplx_joints.py $(ARGS)
+
+benchmark: .venv/dev.stamp ## measurements, no verdicts
+	$(BIN)/python -m pytest -m benchmark -n 0 $(ARGS)
+
+lint: .venv/test.stamp ## style, types and layers only
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+clean: ## remove what these commands made here; never recorded sessions or libraries
+	rm -rf .venv .venv-smplx build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find studykit tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# A stamp says what is installed, so that a second call installs nothing.
+.venv/made.stamp:
+	$(PYTHON) -m venv .venv
+	@touch $@
+
+.venv/core.stamp: .venv/made.stamp $(DECLARED)
+	@echo "Installing studykit into .venv (once, about a minute) ..."
+	$(PIP) -e .
+	@touch $@
+
+.venv/test.stamp: .venv/made.stamp $(DECLARED)
+	@echo "Installing studykit and what its tests need into .venv (once, about a minute) ..."
+	$(PIP) -e ".[test]"
+	@touch $@ .venv/core.stamp
+
+.venv/dev.stamp: .venv/test.stamp
+	$(PIP) -e ".[dev]"
+	@touch $@
+
+# torch first: smplx alone would bring the newest. A venv of its own keeps torch out of every other test.
+.venv-smplx/smplx.stamp: $(DECLARED)
+	$(PYTHON) -m venv .venv-smplx
+	.venv-smplx/bin/python -m pip install --quiet --disable-pip-version-check torch==2.13.0
+	.venv-smplx/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test]" smplx==0.1.28
+	@touch $@
