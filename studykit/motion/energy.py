@@ -36,7 +36,9 @@ def linear_energy(positions: Floats, frame_rate_hz: float) -> Floats:
     return np.asarray(body.segments().masses * squares / (2.0 * positions.shape[1]))
 
 
-def rotational_energy(rotations: Floats, frame_rate_hz: float, *, joint_weights: Floats | None = None) -> Floats:
+def rotational_energy(
+    rotations: Floats, frame_rate_hz: float, *, joint_weights: Floats | None = None
+) -> Floats:
     """Give how much each joint's turning asks of the dancer, summed over all poses (Eq. 11).
 
     Parameters

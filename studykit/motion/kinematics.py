@@ -111,7 +111,7 @@ def turned(motion: Motion, angle_rad: float, *, about: Floats | None = None) -> 
 
 
 def linear_velocities(positions: Floats, frame_rate_hz: float) -> Floats:
-    """Give how fast each joint moves from each frame to the next (Eq. 7), shape (frame - 1, joint, 3), m/s."""
+    """Give how fast each joint moves frame to frame (Eq. 7), shape (frame - 1, joint, 3), m/s."""
     return np.diff(positions, axis=0) * frame_rate_hz
 
 

@@ -142,5 +142,7 @@ def continuous(quaternions: Floats) -> Floats:
     A rotation has two quaternions of opposite sign; jumping between them confuses averages and plots.
     """
     dots = np.sum(quaternions[1:] * quaternions[:-1], axis=-1)
-    signs = np.concatenate((np.ones((1, *dots.shape[1:])), np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)))
+    signs = np.concatenate(
+        (np.ones((1, *dots.shape[1:])), np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0))
+    )
     return np.asarray(quaternions * signs[..., None])

@@ -1,0 +1,1 @@
+"""Choosing and arranging segments into dances; pure functions of explicit seeds."""

@@ -1,0 +1,212 @@
+"""The dance library as choreography sees it: arrays, one row a segment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studykit.core.arrays import Floats, frozen
+from studykit.core.errors import InputError
+from studykit.motion.features import KINETIC, FeatureScaler
+from studykit.motion.motion import Motion
+from studykit.motion.segmentation import FRAME_RATE_HZ
+from studykit.motion.skeleton import NEUTRAL_BODY
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+DENSE_LIMIT = 4096
+"""Up to this many segments all distances are kept (67 MB); beyond, they are computed when asked for."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Calibration:
+    """What is light, intense, varied and smooth, measured on random chains of the library's own segments.
+
+    Parameters
+    ----------
+    chain_linear_energies, chain_rotational_energies : array_like, shape (chain,), J per kg
+        Sums over the poses of random chains of eight segments of one genre (32 s).
+    chain_varieties : array_like, shape (chain,)
+        Mean pairwise distance of the same chains (`euclidean_z`).
+    chain_cosine_varieties : array_like, shape (chain,)
+        Eq. 5 of the same chains (`cosine`).
+    join_displacements : array_like, shape (join,), m
+        Eq. 3 of random joins.
+    median_distance : float
+        Median distance between segments of different takes: the unit of variety targets.
+    """
+
+    chain_linear_energies: Floats
+    chain_rotational_energies: Floats
+    chain_varieties: Floats
+    chain_cosine_varieties: Floats
+    join_displacements: Floats
+    median_distance: float
+
+    def __post_init__(self) -> None:
+        for name in self.array_names():
+            object.__setattr__(self, name, frozen(getattr(self, name), shape=(None,), name=name))
+
+    @staticmethod
+    def array_names() -> tuple[str, ...]:
+        """Name the fields that are arrays."""
+        return (
+            "chain_linear_energies",
+            "chain_rotational_energies",
+            "chain_varieties",
+            "chain_cosine_varieties",
+            "join_displacements",
+        )
+
+    def energy_targets(self, percentile: float) -> tuple[float, float]:
+        """Give the linear and the rotational energy that this share (%) of the chains stays below, J per kg."""
+        return (
+            float(np.percentile(self.chain_linear_energies, percentile)),
+            float(np.percentile(self.chain_rotational_energies, percentile)),
+        )
+
+    @property
+    def transition_tolerance_m(self) -> float:
+        """Displacement of a join that counts as smooth: the 3rd percentile of random joins, m."""
+        return float(np.percentile(self.join_displacements, 3.0))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DanceLibrary:
+    """Segments of four seconds with all that is measured on them.
+
+    Large arrays may be mapped from disk; rows are read when used.
+
+    Parameters
+    ----------
+    name : str
+        What the library is called.
+    segments : DataFrame
+        One row a segment: `id, take, data_set, performer, genre, licence, start_s, is_synthetic`.
+    rotations : ndarray, shape (segment, 120, 24, 4)
+        Parent-relative unit quaternions; the first pose faces +Z.
+    root_positions : ndarray, shape (segment, 120, 3), m
+        From the place where the segment begins; the floor is at 0.
+    features : ndarray, shape (segment, 120, 97)
+        Raw features; see `standardised`.
+    linear_energies, rotational_energies : ndarray, shape (segment, 24), J per kg
+        Per joint, summed over the poses (119 differences).
+    first_poses, last_poses : ndarray, shape (segment, 24, 3), m
+        Pelvis-centred boundary poses, each turned to its own facing.
+    scaler : FeatureScaler
+        Makes features comparable.
+    calibration : Calibration
+        What is light, intense, varied and smooth here.
+    sha256 : str
+        Digest of everything above.
+    """
+
+    name: str
+    segments: pd.DataFrame
+    rotations: np.ndarray[Any, Any]
+    root_positions: np.ndarray[Any, Any]
+    features: np.ndarray[Any, Any]
+    linear_energies: Floats
+    rotational_energies: Floats
+    first_poses: Floats
+    last_poses: Floats
+    scaler: FeatureScaler
+    calibration: Calibration
+    sha256: str
+
+    def __len__(self) -> int:
+        return len(self.segments)
+
+    @property
+    def is_synthetic(self) -> bool:
+        """Whether any segment was made up by studykit rather than danced by a person."""
+        return bool(self.segments["is_synthetic"].any())
+
+    def motion(self, segment: int) -> Motion:
+        """Give one segment as a motion."""
+        return Motion(
+            skeleton=NEUTRAL_BODY,
+            rotations=self.rotations[segment],
+            root_positions=self.root_positions[segment],
+            frame_rate_hz=FRAME_RATE_HZ,
+        )
+
+    def standardised(self, rows: slice | Floats) -> np.ndarray[Any, np.dtype[np.float32]]:
+        """Give feature vectors made comparable across channels, shape (row, 11640)."""
+        values = self.scaler.standardised(np.asarray(self.features[rows])).astype(np.float32)
+        return values.reshape(len(values), -1)
+
+    def displacement(self, before: int, after: int) -> float:
+        """Give how far the joints jump where one segment follows another (Eq. 3), m."""
+        return float(np.linalg.norm(self.first_poses[after] - self.last_poses[before], axis=-1).mean())
+
+
+class SegmentDistances:
+    """How different segments are from one another, in one of the two readings of Eq. 5.
+
+    Parameters
+    ----------
+    library : DanceLibrary
+        Whose segments.
+    metric : {"euclidean_z", "cosine"}
+        Euclidean distance of standardised features; or one minus the cosine, with the kinetic and the
+        geometric block weighted alike.
+    """
+
+    def __init__(self, library: DanceLibrary, metric: str) -> None:
+        self._library = library
+        self._metric = metric
+        self._dense = self._between(slice(None), slice(None)) if len(library) <= DENSE_LIMIT else None
+
+    def to(self, segment: int, others: list[int]) -> Floats:
+        """Give the distances of one segment to others, shape (other,)."""
+        if self._dense is not None:
+            return np.asarray(self._dense[segment, others])
+        return self._between(np.array([segment]), np.array(others))[0]
+
+    def _between(self, rows: Any, columns: Any) -> Floats:
+        first = self._vectors(rows)
+        second = first if rows is columns else self._vectors(columns)
+        # Sums of thousands of float32 products lose the small distances between like segments.
+        products = np.asarray(first @ second.T, dtype=np.float64)
+        if self._metric == "cosine":
+            return 1.0 - products
+        squares = [np.einsum("ij,ij->i", v, v, dtype=np.float64) for v in (first, second)]
+        return np.sqrt(np.maximum(squares[0][:, None] + squares[1] - 2.0 * products, 0.0))
+
+    def _vectors(self, rows: Any) -> np.ndarray[Any, np.dtype[np.float32]]:
+        vectors = self._library.standardised(rows)
+        if self._metric == "euclidean_z":
+            return vectors
+        channels = self._library.features.shape[-1]
+        weights = np.full(channels, np.sqrt(0.5 / (channels - KINETIC)), dtype=np.float32)
+        weights[:KINETIC] = np.sqrt(0.5 / KINETIC)
+        weighted = vectors.reshape(len(vectors), -1, channels) * weights
+        flat = weighted.reshape(len(vectors), -1)
+        return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-9))
+
+
+def require_segments(library: DanceLibrary, wanted: int) -> None:
+    """Refuse a library that has fewer segments than a dance without repetition needs.
+
+    Raises
+    ------
+    InputError
+        Names the library, what it has and what is needed.
+    """
+    if len(library) < wanted:
+        raise InputError(
+            f"the library has {len(library)} segments, a dance that never repeats needs {wanted}",
+            where=library.name,
+            remedy="add takes or ask for a shorter dance",
+        )
+
+
+@lru_cache(maxsize=4)
+def distances(library: DanceLibrary, metric: str) -> SegmentDistances:
+    """Give the distances of a library, kept for the dances that follow."""
+    return SegmentDistances(library, metric)

@@ -1,0 +1,218 @@
+"""Biovision Hierarchy (BVH): the text format of most motion capture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from studykit.core.arrays import Floats
+from studykit.core.errors import InputError
+from studykit.io.packed import read_text
+from studykit.motion import rotation
+from studykit.motion.motion import Motion
+
+_AGAIN = "export the take again"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class BvhTake:
+    """A BVH file as it stands: its own skeleton, its own units, its own frame time.
+
+    Parameters
+    ----------
+    path : Path
+        Where it was read.
+    joint_names : tuple of str
+        The joints in the order of the file.
+    parents : tuple of int
+        The parent of each joint, -1 for the root.
+    offsets : ndarray, shape (joint, 3)
+        Rest offsets in the file's unit.
+    rotations : ndarray, shape (frame, joint, 4)
+        Parent-relative unit quaternions.
+    root_positions : ndarray, shape (frame, 3)
+        In the file's unit.
+    frame_rate_hz : float
+        What the file says; for some public takes this is wrong.
+    """
+
+    path: Path
+    joint_names: tuple[str, ...]
+    parents: tuple[int, ...]
+    offsets: Floats
+    rotations: Floats
+    root_positions: Floats
+    frame_rate_hz: float
+
+
+@dataclass(slots=True)
+class _Joint:
+    name: str
+    parent: int
+    offset: tuple[float, ...] = (0.0, 0.0, 0.0)
+    channels: tuple[str, ...] = ()
+
+
+def read_bvh(path: Path) -> BvhTake:
+    """Read a BVH file, plain or packed (.xz, .gz).
+
+    Raises
+    ------
+    InputError
+        If the file is empty, cut off or not BVH; names the file and the line.
+    """
+    lines = read_text(path).splitlines()
+    if not any(line.strip() for line in lines):
+        raise InputError("the file is empty", where=path, remedy=_AGAIN)
+    joints, motion_line = _read_hierarchy(path, lines)
+    frame_time, values = _read_frames(path, lines, motion_line, sum(len(joint.channels) for joint in joints))
+
+    rotations = rotation.identity(len(values), len(joints))
+    root_positions = np.tile(np.array(joints[0].offset), (len(values), 1))
+    column = 0
+    for number, joint in enumerate(joints):
+        columns = {name: column + place for place, name in enumerate(joint.channels)}
+        turns = [name for name in joint.channels if name.endswith("rotation")]
+        if turns:
+            angles = np.deg2rad(values[:, [columns[name] for name in turns]])
+            rotations[:, number] = _turned_in_order([name[0] for name in turns], angles)
+        if number == 0:
+            for axis, name in enumerate(("Xposition", "Yposition", "Zposition")):
+                if name in columns:
+                    root_positions[:, axis] += values[:, columns[name]]
+        column += len(joint.channels)
+    return BvhTake(
+        path=path,
+        joint_names=tuple(joint.name for joint in joints),
+        parents=tuple(joint.parent for joint in joints),
+        offsets=np.array([joint.offset for joint in joints]),
+        rotations=rotations,
+        root_positions=root_positions,
+        frame_rate_hz=1.0 / frame_time,
+    )
+
+
+def _turned_in_order(axes: list[str], angles: Floats) -> Floats:
+    if sorted(axes) == ["X", "Y", "Z"]:
+        return rotation.from_euler("".join(axes), angles)
+    turned = rotation.identity(len(angles))
+    for column, axis in enumerate(axes):
+        vectors = np.zeros((len(angles), 3))
+        vectors[:, "XYZ".index(axis)] = angles[:, column]
+        turned = rotation.multiply(turned, rotation.exp(vectors))
+    return turned
+
+
+def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
+    """Read the skeleton; give its joints and the number of the line that says MOTION."""
+    joints: list[_Joint] = []
+    open_joints: list[int | None] = []  # None stands for an end site
+    pending: int | None = None
+    for number, line in enumerate(lines):
+        words = line.split()
+        place = f"{path}, line {number + 1}"
+        match words:
+            case [] | ["HIERARCHY"]:
+                continue
+            case ["ROOT" | "JOINT", name, *rest]:
+                parent = open_joints[-1] if open_joints else -1
+                if parent is None:
+                    raise InputError("a joint inside an end site", where=place, remedy=_AGAIN)
+                joints.append(_Joint(name=" ".join((name, *rest)), parent=parent))
+                pending = len(joints) - 1
+            case ["End", *_]:
+                pending = None
+            case ["{"]:
+                open_joints.append(pending)
+            case ["}"] if open_joints:
+                open_joints.pop()
+            case ["OFFSET", *numbers] if open_joints:
+                _set_offset(joints, open_joints[-1], numbers, place)
+            case ["CHANNELS", count, *names] if open_joints and open_joints[-1] is not None:
+                if count != str(len(names)):
+                    raise InputError(
+                        f"{count} channels promised, {len(names)} named", where=place, remedy=_AGAIN
+                    )
+                joints[open_joints[-1]].channels = tuple(names)
+            case ["MOTION"] if joints and not open_joints:
+                return joints, number
+            case _:
+                raise InputError(f"not BVH: {line.strip()[:40]!r}", where=place, remedy=_AGAIN)
+    raise InputError("the file ends before its motion", where=path, remedy=_AGAIN)
+
+
+def _set_offset(joints: list[_Joint], joint: int | None, numbers: list[str], place: str) -> None:
+    try:
+        offset = tuple(float(number) for number in numbers)
+    except ValueError:
+        offset = ()
+    if len(offset) != 3:
+        raise InputError("an OFFSET needs three numbers", where=place, remedy=_AGAIN)
+    if joint is not None:
+        joints[joint].offset = offset
+
+
+def _read_frames(path: Path, lines: list[str], motion_line: int, channels: int) -> tuple[float, Floats]:
+    """Read the frames below MOTION; give the frame time (s) and the values, shape (frame, channel)."""
+    head = [line.replace(":", " ").split() for line in lines[motion_line + 1 : motion_line + 3]]
+    try:
+        frames, frame_time = int(head[0][-1]), float(head[1][-1])
+    except (IndexError, ValueError):
+        place = f"{path}, line {motion_line + 2}"
+        raise InputError("no number of frames or no frame time", where=place, remedy=_AGAIN) from None
+    rows = [(n, line) for n, line in enumerate(lines[motion_line + 3 :], motion_line + 4) if line.strip()]
+    if frames < 1 or not frame_time > 0.0:
+        raise InputError("no frames", where=path, remedy=_AGAIN)
+    if len(rows) != frames:
+        raise InputError(f"{frames} frames promised, {len(rows)} found", where=path, remedy=_AGAIN)
+    try:
+        values = np.array([line.split() for _, line in rows], dtype=np.float64)
+    except ValueError:
+        values = np.empty((frames, 0))
+    if values.shape[1] != channels or not np.all(np.isfinite(values)):
+        for number, line in rows:
+            if not _is_row(line, channels):
+                place = f"{path}, line {number}"
+                raise InputError(f"not {channels} finite numbers", where=place, remedy=_AGAIN)
+    return frame_time, values
+
+
+def _is_row(line: str, channels: int) -> bool:
+    try:
+        values = np.array(line.split(), dtype=np.float64)
+    except ValueError:
+        return False
+    return len(values) == channels and bool(np.all(np.isfinite(values)))
+
+
+def bvh_text(motion: Motion) -> str:
+    """Write a motion as BVH: centimetres, degrees, Y up, as Blender and MotionBuilder read it."""
+    skeleton = motion.skeleton
+    out = ["HIERARCHY"]
+    opened: list[int] = []  # the order of the channels: joints as they are opened, depth first
+
+    def joint(number: int, depth: int) -> None:
+        opened.append(number)
+        pad = "\t" * depth
+        out.append(f"{pad}{'JOINT' if depth else 'ROOT'} {skeleton.joint_names[number]}")
+        x, y, z = 100.0 * skeleton.offsets[number]
+        out.extend((f"{pad}{{", f"{pad}\tOFFSET {x:.4f} {y:.4f} {z:.4f}"))
+        position = "" if depth else "Xposition Yposition Zposition "
+        out.append(f"{pad}\tCHANNELS {3 if depth else 6} {position}Zrotation Xrotation Yrotation")
+        children = skeleton.children(number)
+        for child in children:
+            joint(child, depth + 1)
+        if not children:
+            out.extend(
+                (f"{pad}\tEnd Site", f"{pad}\t{{", f"{pad}\t\tOFFSET {x:.4f} {y:.4f} {z:.4f}", f"{pad}\t}}")
+            )
+        out.append(f"{pad}}}")
+
+    joint(0, 0)
+    angles = np.rad2deg(rotation.to_euler("ZXY", motion.rotations[:, opened])).reshape(len(motion), -1)
+    values = np.concatenate((100.0 * motion.root_positions, angles), axis=1)
+    out.extend(("MOTION", f"Frames: {len(motion)}", f"Frame Time: {1.0 / motion.frame_rate_hz:.8f}"))
+    out.extend(" ".join(f"{value:.4f}" for value in row) for row in values)
+    return "\n".join(out) + "\n"
