@@ -1,0 +1,338 @@
+"""Compare conditions by ranks, without assuming that numbers are normally distributed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from studykit.core.arrays import Floats
+
+Zeros = Literal["drop", "pratt"]
+PValue = Literal["exact", "normal", "normal_continuity"]
+Alternative = Literal["two-sided", "greater", "less"]
+
+FRIEDMAN_VARIANT = "chi-squared approximation, corrected for ties"
+
+_ZEROS_WORDS = {"drop": "zeros dropped", "pratt": "zeros ranked, then dropped (Pratt)"}
+_P_WORDS = {
+    "exact": "exact permutation distribution, ties kept",
+    "normal": "normal approximation without continuity correction, corrected for ties",
+    "normal_continuity": "normal approximation with continuity correction, corrected for ties",
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Friedman:
+    """Whether several conditions differ, judged by ranks within each person.
+
+    Parameters
+    ----------
+    chi_squared : float
+        Friedman's statistic, corrected for ties.
+    degrees_of_freedom : int
+        Conditions - 1.
+    p : float
+        From the chi-squared distribution.
+    kendalls_w : float
+        Agreement of the people's rankings, 0 (none) to 1 (all alike): chi_squared / (n (k - 1)).
+    n : int
+        People.
+    mean_ranks : tuple of float
+        One a condition; 1 is the lowest.
+    variant : str
+        How p was found.
+    """
+
+    chi_squared: float
+    degrees_of_freedom: int
+    p: float
+    kendalls_w: float
+    n: int
+    mean_ranks: tuple[float, ...]
+    variant: str = FRIEDMAN_VARIANT
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Wilcoxon:
+    """Whether two conditions differ, judged by the signed ranks of each person's difference a - b.
+
+    Parameters
+    ----------
+    n, n_nonzero : int
+        People, and those whose difference is not zero.
+    w_plus, w_minus : float
+        Sum of the ranks of the positive and of the negative differences.
+    z : float
+        Standardised w_plus, corrected for ties, without continuity correction; 0 if all differences are zero.
+    p : float
+        See `variant`.
+    rank_biserial : float
+        Effect size (w_plus - w_minus) / (w_plus + w_minus), -1 to 1; 0 if all differences are zero.
+    variant : str
+        How zeros were treated and how p was found.
+    """
+
+    n: int
+    n_nonzero: int
+    w_plus: float
+    w_minus: float
+    z: float
+    p: float
+    rank_biserial: float
+    variant: str
+
+
+def _ranks(table: Floats) -> Floats:
+    from scipy.stats import rankdata
+
+    return np.asarray(rankdata(table, axis=1), dtype=np.float64)
+
+
+def _w_of_ranks(ranks: Floats) -> Floats:
+    """Give Kendall's W of ranks (..., person, condition), corrected for ties; NaN where all are tied."""
+    people, conditions = ranks.shape[-2:]
+    expected = (conditions + 1) / 2.0
+    between = np.sum((ranks.sum(axis=-2) - people * expected) ** 2, axis=-1)
+    # The spread that the ranks really have: what the correction for ties amounts to.
+    within = np.sum((ranks - expected) ** 2, axis=(-2, -1))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(between / (people * within))
+
+
+def friedman(table: Floats) -> Friedman:
+    """Test whether several conditions differ when each person has tried all of them.
+
+    Parameters
+    ----------
+    table : array_like, shape (person, condition)
+        One value each; at least two people and three conditions.
+
+    Raises
+    ------
+    ValueError
+        If the shape is wrong, a value is not finite or every person's values are all equal.
+
+    Notes
+    -----
+    Friedman 1937 with the correction for ties; Kendall's W = chi_squared / (n (k - 1)).
+
+    Examples
+    --------
+    Seven students' pulse before, right after and five minutes after exercise (Sprent & Smeeton):
+
+    >>> pulse = [[72, 120, 76], [96, 120, 95], [88, 132, 104], [92, 120, 96], [74, 101, 84], [76, 96, 72],
+    ...          [82, 112, 76]]
+    >>> result = friedman(pulse)
+    >>> round(result.chi_squared, 3), round(result.p, 4), round(result.kendalls_w, 3)
+    (10.571, 0.0051, 0.755)
+    """
+    from scipy.stats import friedmanchisquare
+
+    values = np.asarray(table, dtype=np.float64)
+    if values.ndim != 2 or values.shape[0] < 2 or values.shape[1] < 3:
+        raise ValueError(
+            f"the table has the shape {values.shape}, expected 2 or more people, 3 or more conditions"
+        )
+    if not np.all(np.isfinite(values)):
+        raise ValueError("the table must be finite")
+    if np.all(values == values[:, :1]):
+        raise ValueError("every person has the same value in all conditions")
+    people, conditions = values.shape
+    statistic, p = friedmanchisquare(*values.T)
+    return Friedman(
+        chi_squared=float(statistic),
+        degrees_of_freedom=conditions - 1,
+        p=float(p),
+        kendalls_w=float(statistic) / (people * (conditions - 1)),
+        n=people,
+        mean_ranks=tuple(float(rank) for rank in _ranks(values).mean(axis=0)),
+    )
+
+
+def kendalls_w_interval(
+    table: Floats, *, rng: np.random.Generator, confidence: float = 0.95, resamples: int = 2000
+) -> tuple[float, float]:
+    """Give a range of plausible values of Kendall's W, by drawing the people again and again.
+
+    Parameters
+    ----------
+    table : array_like, shape (person, condition)
+        As for `friedman`.
+    rng : numpy.random.Generator
+        Draws the people.
+    confidence : float
+        Coverage meant, 0 to 1.
+    resamples : int
+        How often the people are drawn.
+
+    Returns
+    -------
+    tuple of float
+        Percentiles of the bootstrap over people. W cannot be negative: with few people the range lies high.
+    """
+    ranks = _ranks(np.asarray(table, dtype=np.float64))
+    people = rng.integers(len(ranks), size=(resamples, len(ranks)))
+    drawn = _w_of_ranks(ranks[people])
+    tail = 50.0 * (1.0 - confidence)
+    low, high = np.nanpercentile(drawn, [tail, 100.0 - tail])
+    return float(low), float(high)
+
+
+def _signed_ranks(differences: Floats, zeros: Zeros) -> tuple[Floats, Floats]:
+    """Give the ranks of the positive and of the negative differences."""
+    from scipy.stats import rankdata
+
+    kept = differences[differences != 0.0] if zeros == "drop" else differences
+    ranks = np.asarray(rankdata(np.abs(kept)), dtype=np.float64)
+    return ranks[kept > 0.0], ranks[kept < 0.0]
+
+
+def _exact_p(ranks: Floats, w_plus: float, alternative: Alternative) -> float:
+    """Give the p of w_plus when each rank's sign is a fair coin.
+
+    The distribution of w_plus is the convolution of one coin a rank; ties make halves, so ranks are doubled.
+    """
+    doubled = np.rint(2.0 * ranks).astype(np.int64)
+    chances = np.zeros(int(doubled.sum()) + 1)
+    chances[0] = 1.0
+    for rank in doubled:
+        shifted = np.zeros_like(chances)
+        shifted[rank:] = chances[: len(chances) - rank]
+        chances = 0.5 * (chances + shifted)
+    found = round(2.0 * w_plus)
+    p = {"greater": chances[found:].sum(), "less": chances[: found + 1].sum()}
+    p["two-sided"] = 2.0 * min(p.values())
+    return min(1.0, float(p[alternative]))
+
+
+def _normal(differences: Floats, zeros: Zeros, **options: Any) -> Any:
+    from scipy import stats
+
+    test: Any = stats.wilcoxon  # its stubs know no method="asymptotic" without further arguments
+    return test(
+        differences, zero_method="wilcox" if zeros == "drop" else zeros, method="asymptotic", **options
+    )
+
+
+def wilcoxon(
+    a: Floats,
+    b: Floats,
+    *,
+    zeros: Zeros = "drop",
+    p: PValue = "exact",
+    alternative: Alternative = "two-sided",
+) -> Wilcoxon:
+    """Test whether two conditions differ when each person has tried both.
+
+    Parameters
+    ----------
+    a, b : array_like, shape (person,)
+        The two conditions; differences are a - b, ties and zeros as floating-point arithmetic finds them.
+    zeros : {"drop", "pratt"}
+        Leave people without a difference out before ranking, or after it (Pratt 1959).
+    p : {"exact", "normal", "normal_continuity"}
+        From all 2^n signs of the ranks (ties and zeros allowed), or from the normal approximation without
+        or with continuity correction.
+    alternative : {"two-sided", "greater", "less"}
+        "greater" asks whether a exceeds b.
+
+    Raises
+    ------
+    ValueError
+        If the lists differ in length, are empty or not finite.
+
+    Examples
+    --------
+    >>> result = wilcoxon([9, 7, 8, 6, 9, 7], [5, 6, 6, 7, 5, 4])
+    >>> result.w_plus, result.w_minus, result.p
+    (19.5, 1.5, 0.09375)
+    """
+    differences = np.asarray(a, dtype=np.float64) - np.asarray(b, dtype=np.float64)
+    if differences.ndim != 1 or not differences.size or not np.all(np.isfinite(differences)):
+        raise ValueError("a and b must be two finite lists of the same length")
+    positive, negative = _signed_ranks(differences, zeros)
+    w_plus, w_minus = float(positive.sum()), float(negative.sum())
+    nonzero = len(positive) + len(negative)
+    z, probability = 0.0, 1.0
+    if nonzero:
+        z = float(np.copysign(_normal(differences, zeros).zstatistic, w_plus - w_minus))
+        if p == "exact":
+            probability = _exact_p(np.concatenate((positive, negative)), w_plus, alternative)
+        else:
+            corrected = p == "normal_continuity"
+            probability = float(
+                _normal(differences, zeros, correction=corrected, alternative=alternative).pvalue
+            )
+    return Wilcoxon(
+        n=len(differences),
+        n_nonzero=nonzero,
+        w_plus=w_plus,
+        w_minus=w_minus,
+        z=z,
+        p=probability,
+        rank_biserial=(w_plus - w_minus) / (w_plus + w_minus) if nonzero else 0.0,
+        variant=f"{_P_WORDS[p]}; {_ZEROS_WORDS[zeros]}; {alternative}",
+    )
+
+
+def rank_biserial_interval(
+    rank_biserial: float, n_nonzero: int, *, confidence: float = 0.95
+) -> tuple[float, float]:
+    """Give a range of plausible values of the rank-biserial correlation of `wilcoxon`.
+
+    Parameters
+    ----------
+    rank_biserial : float
+        -1 to 1. At -1 and 1 themselves the range has no width: the method cannot tell more.
+    n_nonzero : int
+        People with a difference, 1 or more.
+    confidence : float
+        Coverage meant, 0 to 1.
+
+    Notes
+    -----
+    Fisher's z with the deviation sqrt(n (n + 1)(2n + 1) / 6) / (n (n + 1) / 2) of the signed-rank sum, as the
+    R package effectsize does.
+    """
+    from scipy.stats import norm
+
+    n = float(n_nonzero)
+    if abs(rank_biserial) >= 1.0:
+        return rank_biserial, rank_biserial
+    deviation = np.sqrt(n * (n + 1.0) * (2.0 * n + 1.0) / 6.0) / (n * (n + 1.0) / 2.0)
+    reach = norm.ppf(0.5 + confidence / 2.0) * deviation
+    centre = np.arctanh(rank_biserial)
+    return float(np.tanh(centre - reach)), float(np.tanh(centre + reach))
+
+
+def _adjusted(p: Sequence[float] | Floats, method: str) -> Floats:
+    import pingouin
+
+    values = np.asarray(p, dtype=np.float64)
+    if not values.size:
+        return values
+    return np.asarray(pingouin.multicomp(values, method=method)[1], dtype=np.float64)
+
+
+def holm(p: Sequence[float] | Floats) -> Floats:
+    """Correct p values for testing several pairs, stepwise (Holm 1979), shape (test,).
+
+    Examples
+    --------
+    >>> holm([0.01, 0.04, 0.03]).round(2).tolist()
+    [0.03, 0.06, 0.06]
+    """
+    return _adjusted(p, "holm")
+
+
+def bonferroni(p: Sequence[float] | Floats) -> Floats:
+    """Correct p values for testing several pairs by their number, shape (test,)."""
+    return _adjusted(p, "bonf")
+
+
+def benjamini_hochberg(p: Sequence[float] | Floats) -> Floats:
+    """Correct p values for the share of false discoveries (Benjamini & Hochberg 1995), shape (test,)."""
+    return _adjusted(p, "fdr_bh")
