@@ -1,0 +1,1 @@
+"""Things that produce timed samples: cameras, heart-rate belts and the clocks they run on."""
