@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -160,18 +161,20 @@ class SegmentDistances:
     def __init__(self, library: DanceLibrary, metric: str) -> None:
         self._library = library
         self._metric = metric
-        self._dense = self._between(slice(None), slice(None)) if len(library) <= DENSE_LIMIT else None
+        self._dense: Floats | None = None
+        if len(library) <= DENSE_LIMIT:
+            self._dense = self._measured(slice(None), slice(None))
+            np.fill_diagonal(self._dense, 0.0)
 
-    def to(self, segment: int, others: list[int]) -> Floats:
-        """Give the distances of one segment to others, shape (other,)."""
+    def between(self, rows: Sequence[int], columns: Sequence[int]) -> Floats:
+        """Give the distance of every segment of `rows` to every one of `columns`, shape (row, column)."""
+        first, second = np.array(rows), np.array(columns)
         if self._dense is not None:
-            return np.asarray(self._dense[segment, others])
-        return self._between(np.array([segment]), np.array(others))[0]
+            return np.asarray(self._dense[first[:, None], second])
+        return np.where(first[:, None] == second, 0.0, self._measured(first, second))
 
-    def _between(self, rows: Any, columns: Any) -> Floats:
-        first = self._vectors(rows)
-        second = first if rows is columns else self._vectors(columns)
-        # Sums of thousands of float32 products lose the small distances between like segments.
+    def _measured(self, rows: Any, columns: Any) -> Floats:
+        first, second = self._vectors(rows), self._vectors(columns)
         products = np.asarray(first @ second.T, dtype=np.float64)
         if self._metric == "cosine":
             return 1.0 - products
@@ -210,3 +213,9 @@ def require_segments(library: DanceLibrary, wanted: int) -> None:
 def distances(library: DanceLibrary, metric: str) -> SegmentDistances:
     """Give the distances of a library, kept for the dances that follow."""
     return SegmentDistances(library, metric)
+
+
+def mean_of_pairs(between: Floats) -> float:
+    """Give the mean over all pairs of a square of distances: phi of Eq. 5; 0 where there is no pair."""
+    count = len(between)
+    return float(between.sum() / (count * (count - 1))) if count > 1 else 0.0

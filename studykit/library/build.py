@@ -1,0 +1,303 @@
+"""Building a dance library: takes in, clean segments with all their measures out (section 4 of the paper)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studykit.choreography.dance_library import Calibration, DanceLibrary
+from studykit.core.errors import InputError
+from studykit.core.progress import Progress, silent
+from studykit.core.provenance import sha256_of_bytes, versions
+from studykit.core.seeding import stream
+from studykit.io.bvh import read_bvh
+from studykit.io.packed import PACKED
+from studykit.io.skeleton_map import to_smpl
+from studykit.library import store
+from studykit.library.calibrate import calibrate, fit_scaler
+from studykit.library.recipe import Recipe
+from studykit.library.take import Take, TakeSource
+from studykit.motion import cleaning, energy, features, kinematics
+from studykit.motion.motion import Motion
+from studykit.motion.resampling import resampled
+from studykit.motion.segmentation import (
+    FRAME_RATE_HZ,
+    SEGMENT_FRAMES,
+    floor_height,
+    segment,
+    segment_starts,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_ROW_SHAPES: dict[str, tuple[tuple[int, ...], str]] = {
+    "rotations": ((SEGMENT_FRAMES, 24, 4), "<f4"),
+    "root_positions": ((SEGMENT_FRAMES, 3), "<f4"),
+    "features": ((SEGMENT_FRAMES, 97), "<f4"),
+    "linear_energies": ((24,), "<f8"),
+    "rotational_energies": ((24,), "<f8"),
+    "first_poses": ((24, 3), "<f8"),
+    "last_poses": ((24, 3), "<f8"),
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TakeYield:
+    """What became of one take: how much of it was kept, and what each noise rule flagged.
+
+    Parameters
+    ----------
+    take : str
+        Name of the take.
+    duration_s : float
+        Length at the true frame rate, without the frames skipped at the start.
+    segments_possible, segments_kept, segments_paper : int
+        Segments that fit into the whole take, that survive the rule in use, and that would survive the
+        paper's literal rule.
+    frames_speed, frames_acceleration, frames_paper : int
+        Frames (30 Hz) flagged by each criterion.
+    """
+
+    take: str
+    duration_s: float
+    segments_possible: int
+    segments_kept: int
+    segments_paper: int
+    frames_speed: int
+    frames_acceleration: int
+    frames_paper: int
+
+
+def takes_in(folder: Path, recipe: Recipe) -> list[Path]:
+    """List the take files of a folder that a recipe means, in the order of their names.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    if not folder.is_dir():
+        raise InputError("there is no such folder", where=folder, remedy="check the path")
+    found = [path for path in sorted(folder.rglob("*")) if _plain_name(path, folder).endswith(".bvh")]
+    meant = [path for path in found if recipe.rule(_plain_name(path, folder)) is not None]
+    if not meant:
+        raise InputError(
+            "no take to read", where=folder, remedy="give a folder of .bvh files that the recipe names"
+        )
+    return meant
+
+
+def read_takes(folder: Path, recipe: Recipe) -> Iterator[Take]:
+    """Read the takes of a folder one by one, on SMPL's body, without the frames to skip."""
+    for path in takes_in(folder, recipe):
+        name = _plain_name(path, folder)
+        rule = recipe.rule(name)
+        assert rule is not None  # noqa: S101 - takes_in gives only these
+        motion = to_smpl(
+            read_bvh(path), recipe.skeleton, units_m=recipe.units_m, frame_rate_hz=rule.frame_rate_hz
+        )
+        if len(motion) < recipe.skip_frames + 2:
+            raise InputError(
+                f"has {len(motion)} frames, {recipe.skip_frames} are to be skipped",
+                where=path,
+                remedy="remove the file or lower skip_frames",
+            )
+        yield Take(
+            name=name.removesuffix(".bvh"),
+            motion=Motion(
+                skeleton=motion.skeleton,
+                rotations=motion.rotations[recipe.skip_frames :],
+                root_positions=motion.root_positions[recipe.skip_frames :],
+                frame_rate_hz=motion.frame_rate_hz,
+            ),
+            source=TakeSource(
+                data_set=recipe.data_set,
+                performer=rule.performer,
+                genre=rule.genre,
+                licence=recipe.licence,
+                is_synthetic=False,
+                sha256=sha256_of_bytes(path.read_bytes()),
+            ),
+        )
+
+
+def _plain_name(path: Path, folder: Path) -> str:
+    name = path.relative_to(folder).as_posix()
+    return name.removesuffix(path.suffix) if path.suffix in PACKED else name
+
+
+def write_library(
+    takes: Iterable[Take], out: Path, *, name: str, noise_rule: cleaning.NoiseRule = "robust", seed: int = 0
+) -> DanceLibrary:
+    """Build a library from takes and open it.
+
+    Takes are read one after the other and never held together, so the library may be larger than memory.
+    The folder appears only when all went well.
+
+    Parameters
+    ----------
+    takes : iterable of Take
+        Recordings.
+    out : Path
+        The folder to make.
+    name : str
+        What the library is called.
+    noise_rule : {"robust", "paper"}
+        Which frames are cut out.
+    seed : int
+        For the random chains of the calibration.
+
+    Raises
+    ------
+    InputError
+        If `out` exists or cannot be written, or too little is left after cleaning.
+    """
+    with store.new_folder(Path(out)) as folder:
+        writers = {key: store.ArrayWriter(folder / f"{key}.npy", *form) for key, form in _ROW_SHAPES.items()}
+        rows: list[dict[str, Any]] = []
+        yields: list[TakeYield] = []
+        for take in takes:
+            measured, outcome = _measured(take, noise_rule)
+            yields.append(outcome)
+            for start_s, arrays in measured:
+                for key, writer in writers.items():
+                    writer.append(arrays[key][None])
+                rows.append(_index_row(len(rows), take, start_s))
+        for writer in writers.values():
+            writer.close()
+        _finish(folder, rows, yields, name=name, noise_rule=noise_rule, seed=seed)
+    return store.open_library(out)
+
+
+def _measured(take: Take, rule: cleaning.NoiseRule) -> tuple[list[tuple[float, dict[str, Any]]], TakeYield]:
+    """Clean and cut one take; give its segments (start in s, arrays) and what became of it."""
+    motion = resampled(take.motion, FRAME_RATE_HZ)
+    positions = kinematics.centred_positions(motion.skeleton, motion.rotations)
+    flags = cleaning.flagged(positions, FRAME_RATE_HZ, "robust") | cleaning.flagged(
+        positions, FRAME_RATE_HZ, "paper"
+    )
+    runs = {
+        "robust": cleaning.clean_runs(flags["speed"] | flags["acceleration"]),
+        "paper": cleaning.clean_runs(flags["paper"]),
+    }
+    pose_features = np.zeros((len(motion), 97))
+    for start, stop in runs[rule]:
+        if stop - start >= SEGMENT_FRAMES:
+            pose_features[start:stop] = features.pose_features(positions[start:stop], FRAME_RATE_HZ)
+    floor = floor_height(motion)
+    segments = []
+    for start in segment_starts(runs[rule]):
+        cut = segment(motion, start, floor)
+        segments.append((start / FRAME_RATE_HZ, _arrays(cut, pose_features[start : start + SEGMENT_FRAMES])))
+    outcome = TakeYield(
+        take=take.name,
+        duration_s=round(take.motion.duration_s, 6),
+        segments_possible=len(motion) // SEGMENT_FRAMES,
+        segments_kept=len(segments),
+        segments_paper=len(segment_starts(runs["paper"])),
+        frames_speed=int(flags["speed"].sum()),
+        frames_acceleration=int(flags["acceleration"].sum()),
+        frames_paper=int(flags["paper"].sum()),
+    )
+    return segments, outcome
+
+
+def _arrays(cut: Motion, pose_features: np.ndarray[Any, Any]) -> dict[str, Any]:
+    positions = kinematics.centred_positions(cut.skeleton, cut.rotations)
+    ends = [
+        kinematics.centred_positions(cut.skeleton, kinematics.turned(cut, -float(angle)).rotations[frame])
+        for frame, angle in ((0, kinematics.facing(positions[0])), (-1, kinematics.facing(positions[-1])))
+    ]
+    return {
+        "rotations": cut.rotations,
+        "root_positions": cut.root_positions,
+        "features": pose_features,
+        "linear_energies": energy.linear_energy(positions, FRAME_RATE_HZ),
+        "rotational_energies": energy.rotational_energy(cut.rotations, FRAME_RATE_HZ),
+        "first_poses": ends[0],
+        "last_poses": ends[1],
+    }
+
+
+def _index_row(number: int, take: Take, start_s: float) -> dict[str, Any]:
+    source = take.source
+    return {
+        "id": number,
+        "take": take.name,
+        "data_set": source.data_set,
+        "performer": source.performer,
+        "genre": source.genre,
+        "licence": source.licence,
+        "start_s": start_s,
+        "is_synthetic": source.is_synthetic,
+        "take_sha256": source.sha256,
+    }
+
+
+def _finish(
+    folder: Path,
+    rows: list[dict[str, Any]],
+    yields: list[TakeYield],
+    *,
+    name: str,
+    noise_rule: str,
+    seed: int,
+) -> None:
+    """Write the index, the calibration and the manifest of a library whose arrays are written."""
+    import pandas as pd  # noqa: PLC0415 - heavy
+
+    if not rows:
+        raise InputError(
+            "no segment is left after cleaning", where=name, remedy="give longer or cleaner takes"
+        )
+    table = pd.DataFrame(rows)
+    table.to_parquet(folder / "segments.parquet", index=False)
+    pd.DataFrame([{f: getattr(y, f) for f in TakeYield.__slots__} for y in yields]).to_csv(
+        folder / "yield.csv", index=False
+    )
+    scaler = fit_scaler(np.load(folder / "features.npy", mmap_mode="r"))
+    empty = Calibration(**{key: np.zeros(0) for key in Calibration.array_names()}, median_distance=1.0)
+    store.write_calibration(folder, scaler, empty)
+    sha256 = store.digest(folder)
+    manifest = {
+        "version": store.VERSION,
+        "name": name,
+        "sha256": sha256,
+        "is_synthetic": bool(table["is_synthetic"].any()),
+        "noise_rule": noise_rule,
+        "seed": seed,
+        "segments": len(table),
+        "hours": round(len(table) * SEGMENT_FRAMES / FRAME_RATE_HZ / 3600.0, 6),
+        "takes": len(yields),
+        "data_sets": _count(table, "data_set"),
+        "genres": _count(table, "genre"),
+        "performers": _count(table, "performer"),
+        "licences": _count(table, "licence"),
+        "segments_possible": sum(y.segments_possible for y in yields),
+        "segments_paper": sum(y.segments_paper for y in yields),
+        "versions": versions(),
+    }
+    (folder / "manifest.json").write_text(
+        json.dumps(manifest, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
+    )
+    library = store.open_library(folder)
+    store.write_calibration(folder, scaler, calibrate(library, stream(seed, "calibration")))
+
+
+def _count(table: pd.DataFrame, column: str) -> dict[str, int]:
+    return {str(key): int(value) for key, value in sorted(table[column].value_counts().items())}
+
+
+def build(
+    folder: Path, out: Path, recipe: Recipe, *, progress: Progress = silent, **options: Any
+) -> DanceLibrary:
+    """Build a library from a folder of takes; see `write_library` for the options."""
+    total = len(takes_in(Path(folder), recipe))
+    takes = progress(read_takes(Path(folder), recipe), label="Reading takes", total=total)
+    return write_library(takes, out, name=recipe.data_set, **options)

@@ -1,0 +1,168 @@
+"""A dance library as a folder: an index table, arrays and a manifest."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from studykit.choreography.dance_library import Calibration, DanceLibrary
+from studykit.core.errors import InputError
+from studykit.core.provenance import sha256_of_files
+from studykit.motion.features import FeatureScaler
+
+VERSION = 1
+ARRAYS = (
+    "rotations",
+    "root_positions",
+    "features",
+    "linear_energies",
+    "rotational_energies",
+    "first_poses",
+    "last_poses",
+)
+"""One .npy file each, one row a segment."""
+
+_SCALER = ("kinetic_medians", "means", "deviations")
+
+
+class ArrayWriter:
+    """Writes rows to a .npy file one after the other, so that no library has to fit in memory.
+
+    Parameters
+    ----------
+    path : Path
+        The file to make.
+    row_shape : tuple of int
+        Shape of one row.
+    dtype : str
+        Type of the numbers, such as "<f4".
+    """
+
+    def __init__(self, path: Path, row_shape: tuple[int, ...], dtype: str) -> None:
+        self._row_shape, self._dtype, self._rows = row_shape, np.dtype(dtype), 0
+        self._file: IO[bytes] = path.open("wb")
+        self._header()
+
+    def _header(self) -> None:
+        # NumPy leaves room in the header for the first axis to grow, so it can be rewritten in place.
+        self._file.seek(0)
+        header = {"descr": self._dtype.str, "fortran_order": False, "shape": (self._rows, *self._row_shape)}
+        np.lib.format.write_array_header_2_0(self._file, header)
+
+    def append(self, rows: Any) -> None:
+        """Add rows, shape (row, *row_shape)."""
+        self._file.write(np.ascontiguousarray(rows, dtype=self._dtype).tobytes())
+        self._rows += len(rows)
+
+    def close(self) -> None:
+        """Write the number of rows and close."""
+        self._header()
+        self._file.close()
+
+
+@contextmanager
+def new_folder(out: Path) -> Iterator[Path]:
+    """Give a folder to work in that becomes `out` only when all went well.
+
+    Raises
+    ------
+    InputError
+        If `out` is there already or its place cannot be written.
+    """
+    if out.exists():
+        raise InputError("there is something already", where=out, remedy="choose another folder or remove it")
+    partial = out.with_name(out.name + ".partial")
+    try:
+        if partial.exists():
+            shutil.rmtree(partial)
+        partial.mkdir(parents=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"cannot be written ({reason})", where=out, remedy="choose another folder"
+        ) from error
+    try:
+        yield partial
+        partial.rename(out)
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
+
+
+def digest(folder: Path) -> str:
+    """Give the digest of a library's content."""
+    return sha256_of_files([folder / "segments.parquet", *(folder / f"{name}.npy" for name in ARRAYS)])
+
+
+def write_calibration(folder: Path, scaler: FeatureScaler, calibration: Calibration) -> None:
+    """Save how features are scaled and what is light, intense, varied and smooth."""
+    arrays = {name: getattr(scaler, name) for name in _SCALER}
+    arrays |= {name: getattr(calibration, name) for name in Calibration.array_names()}
+    np.savez(folder / "calibration.npz", median_distance=calibration.median_distance, **arrays)
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """Read what a library says of itself.
+
+    Raises
+    ------
+    InputError
+        If the folder is not a library of this version.
+    """
+    path = folder / "manifest.json"
+    try:
+        manifest: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        remedy = "build one with 'studykit library build' or 'studykit library sample'"
+        raise InputError("not a dance library", where=folder, remedy=remedy) from None
+    if manifest.get("version") != VERSION:
+        raise InputError(
+            f"a library of version {manifest.get('version')}, this studykit reads {VERSION}",
+            where=path,
+            remedy="build it again",
+        )
+    return manifest
+
+
+def open_library(path: str | Path) -> DanceLibrary:
+    """Open a dance library; its large arrays stay on disk until rows are used.
+
+    Parameters
+    ----------
+    path : str or Path
+        The folder that 'studykit library build' or 'sample' made.
+
+    Raises
+    ------
+    InputError
+        If the folder is not a library or one of its files is missing or broken.
+    """
+    import pandas as pd  # noqa: PLC0415 - heavy
+
+    folder = Path(path)
+    manifest = read_manifest(folder)
+    try:
+        arrays = {name: np.load(folder / f"{name}.npy", mmap_mode="r", allow_pickle=False) for name in ARRAYS}
+        segments = pd.read_parquet(folder / "segments.parquet")
+        saved = dict(np.load(folder / "calibration.npz", allow_pickle=False))
+    except (OSError, ValueError, EOFError) as error:
+        raise InputError(f"broken library ({error})", where=folder, remedy="build it again") from error
+    if any(len(array) != len(segments) for array in arrays.values()):
+        raise InputError("arrays of different length", where=folder, remedy="build the library again")
+    return DanceLibrary(
+        name=manifest["name"],
+        segments=segments,
+        scaler=FeatureScaler(**{name: saved[name] for name in _SCALER}),
+        calibration=Calibration(
+            median_distance=float(saved["median_distance"]),
+            **{name: saved[name] for name in Calibration.array_names()},
+        ),
+        sha256=manifest["sha256"],
+        **arrays,
+    )
