@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import zlib
 from pathlib import Path
@@ -42,6 +43,7 @@ class FrameWriter:
     def __init__(self, path: Path, joint_names: tuple[str, ...]) -> None:
         self.path = path
         self.count = 0
+        self._sha256 = hashlib.sha256()
         self._record = np.zeros((), dtype=_layout(len(joint_names)))
         self._is_synced = True
         try:
@@ -66,8 +68,15 @@ class FrameWriter:
         record["time_s"], record["positions"] = time_s, positions
         record["confidence"] = np.rint(confidence * _CONFIDENCE_STEPS)
         body = record.tobytes()[:-4]
-        write_all(self._file, body + zlib.crc32(body).to_bytes(4, "little"))
+        data = body + zlib.crc32(body).to_bytes(4, "little")
+        write_all(self._file, data)
+        self._sha256.update(data)
         self.count, self._is_synced = self.count + 1, False
+
+    @property
+    def sha256(self) -> str:
+        """Digest of what the file holds so far."""
+        return self._sha256.hexdigest()
 
     def sync(self) -> None:
         """Wait until the disk has everything."""

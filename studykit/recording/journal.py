@@ -50,12 +50,13 @@ class Journal:
     Use `create` for a new session and `reopen` for one that was interrupted.
     """
 
-    def __init__(self, path: Path, last: Record | None) -> None:
+    def __init__(self, path: Path, file: FileIO) -> None:
         self.path = path
-        self._number = last.number if last else 0
-        self._sha256 = last.sha256 if last else _NO_RECORD
-        self._file = path.open("ab", buffering=0)
+        self.records: tuple[Record, ...] = ()
+        self._number, self._sha256 = 0, _NO_RECORD
+        self._file = file
         self._is_synced = True
+        self._fault: InputError | None = None
 
     @classmethod
     def create(cls, path: Path) -> Self:
@@ -66,32 +67,51 @@ class Journal:
         InputError
             If there is one already, or the folder cannot be written.
         """
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.touch(exist_ok=False)
-            _sync_folder(path.parent)
-        except FileExistsError as error:
+        if path.exists():
             raise InputError(
                 "this session has already been recorded", where=path, remedy="resume it or name another"
-            ) from error
+            )
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            file = path.open("xb", buffering=0)
+            _sync_folder(path.parent)
         except OSError as error:
             raise unwritable(path.parent, error) from error
-        return cls(path, None)
+        _lock(file, path)
+        return cls(path, file)
 
     @classmethod
     def reopen(cls, path: Path) -> Self:
-        """Go on with a journal after an interruption.
+        """Go on with a journal after an interruption; `records` holds what it says so far.
 
         Half a line that a power cut left at the end is moved to a file beside the frames, so that nothing
         is lost and the next record starts on a line of its own.
+
+        Raises
+        ------
+        InputError
+            If it is damaged, cannot be written or is being written by somebody else; it stays as it is.
         """
-        records, tail = _read(path)
-        if tail:
-            try:
+        try:
+            file = path.open("ab", buffering=0)
+        except OSError as error:
+            raise unwritable(path.parent, error) from error
+        try:
+            _lock(file, path)
+            records, tail = _read(path)
+            if tail:
                 _set_aside(path, tail)
-            except OSError as error:
-                raise unwritable(path.parent, error) from error
-        return cls(path, records[-1] if records else None)
+        except OSError as error:
+            file.close()
+            raise unwritable(path.parent, error) from error
+        except InputError:
+            file.close()
+            raise
+        journal = cls(path, file)
+        journal.records = records
+        if records:
+            journal._number, journal._sha256 = records[-1].number, records[-1].sha256
+        return journal
 
     def append(self, kind: str, data: Mapping[str, Any], *, time_s: float, durable: bool = True) -> Record:
         """Write one record and return once it is safe.
@@ -108,19 +128,25 @@ class Journal:
             Wait until the disk has it (a power cut does not lose it). Otherwise the operating system has it
             (the end of this program does not lose it) until `sync`.
         """
+        if self._fault is not None:  # half a line may lie at the end: nothing may follow it
+            raise self._fault
         number = self._number + 1
         body = json.dumps(
-            {"number": number, "time_s": time_s, "kind": kind, "data": data},
+            {"number": number, "time_s": round(time_s, 6), "kind": kind, "data": data},
             separators=(",", ":"),
             ensure_ascii=False,
             allow_nan=False,
         ).encode()
         sha256 = _digest(self._sha256, body)
-        write_all(self._file, body[:-1] + _SEAL + sha256.encode() + b'"}\n')
+        try:
+            write_all(self._file, body[:-1] + _SEAL + sha256.encode() + b'"}\n')
+        except OSError as error:
+            self._fault = unwritable(self.path.parent, error)
+            raise self._fault from error
         self._number, self._sha256, self._is_synced = number, sha256, False
         if durable:
             self.sync()
-        return Record(number=number, time_s=time_s, kind=kind, data=data, sha256=sha256)
+        return Record(number=number, time_s=round(time_s, 6), kind=kind, data=data, sha256=sha256)
 
     def sync(self) -> None:
         """Wait until the disk has everything."""
@@ -199,6 +225,23 @@ def _records(path: Path, lines: list[bytes]) -> Iterator[Record]:
 
 def _digest(before: str, body: bytes) -> str:
     return hashlib.sha256(before.encode() + body).hexdigest()
+
+
+def _lock(file: FileIO, path: Path) -> None:
+    """Refuse a second writer, where the system can; the lock ends with the program."""
+    try:
+        import fcntl  # noqa: PLC0415 - only some systems have it
+    except ImportError:
+        return
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        file.close()
+        raise InputError(
+            "the session is being recorded at this moment",
+            where=path,
+            remedy="stop the other program or notebook first",
+        ) from error
 
 
 def _set_aside(path: Path, tail: bytes) -> None:

@@ -1,0 +1,1 @@
+"""Running one participant: the plan of a visit, its steps, its state and its runner."""
