@@ -280,17 +280,22 @@ def wilcoxon(
 
 def rank_biserial_interval(
     rank_biserial: float, n_nonzero: int, *, confidence: float = 0.95
-) -> tuple[float, float]:
+) -> tuple[float, float] | None:
     """Give a range of plausible values of the rank-biserial correlation of `wilcoxon`.
 
     Parameters
     ----------
     rank_biserial : float
-        -1 to 1. At -1 and 1 themselves the range has no width: the method cannot tell more.
+        -1 to 1.
     n_nonzero : int
-        People with a difference, 1 or more.
+        People with a difference.
     confidence : float
         Coverage meant, 0 to 1.
+
+    Returns
+    -------
+    tuple of float or None
+        None if nobody differs or all differ the same way: then the method cannot tell.
 
     Notes
     -----
@@ -299,9 +304,9 @@ def rank_biserial_interval(
     """
     from scipy.stats import norm  # noqa: PLC0415 - heavy
 
+    if not n_nonzero or abs(rank_biserial) >= 1.0:
+        return None
     n = float(n_nonzero)
-    if abs(rank_biserial) >= 1.0:
-        return rank_biserial, rank_biserial
     deviation = np.sqrt(n * (n + 1.0) * (2.0 * n + 1.0) / 6.0) / (n * (n + 1.0) / 2.0)
     reach = norm.ppf(0.5 + confidence / 2.0) * deviation
     centre = np.arctanh(rank_biserial)

@@ -1,0 +1,201 @@
+"""What comes out of the declared tests, and how it is written down."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from studykit.analysis.correlation import Correlation
+from studykit.analysis.nonparametric import Friedman, Wilcoxon
+from studykit.protocol.analysis_plan import CorrelationPlan, TestPlan
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Exclusions:
+    """What a test did not use, and why.
+
+    Parameters
+    ----------
+    trials : int
+        Trials of the conditions compared.
+    used : int
+        Trials that entered the test.
+    not_valid : dict of str to int
+        Trials that are not valid, counted by reason.
+    without_value : int
+        Valid trials for which nothing was measured.
+    participants_left_out : dict of str to list of str
+        People not used, each with the conditions of which they have no value.
+    """
+
+    trials: int
+    used: int
+    not_valid: dict[str, int]
+    without_value: int
+    participants_left_out: dict[str, list[str]]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ConditionSummary:
+    """One condition's values over people: mean, standard deviation, median and quartiles."""
+
+    condition: str
+    mean: float
+    standard_deviation: float
+    median: float
+    lower_quartile: float
+    upper_quartile: float
+    mean_rank: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PairResult:
+    """Two conditions compared.
+
+    Parameters
+    ----------
+    a, b : str
+        The conditions; differences are a - b.
+    median_difference : float
+        In the outcome's unit.
+    test : Wilcoxon
+        Statistic, p, effect size and variant.
+    p_corrected : float
+        Corrected for the pairs of this test.
+    is_significant : bool
+        Whether `p_corrected` lies below alpha.
+    rank_biserial_interval : tuple of float or None
+        Plausible values of the effect size; None if nobody differs or all differ the same way.
+    p_by_variant : dict of str to float
+        Uncorrected p of the other ways to make the test.
+    """
+
+    a: str
+    b: str
+    median_difference: float
+    test: Wilcoxon
+    p_corrected: float
+    is_significant: bool
+    rank_biserial_interval: tuple[float, float] | None
+    p_by_variant: dict[str, float]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TestResult:
+    """One declared test.
+
+    Parameters
+    ----------
+    plan : TestPlan
+    exclusions : Exclusions
+    participants : int
+        People compared.
+    friedman : Friedman or None
+        None if not computed.
+    is_significant : bool or None
+        Whether Friedman's p lies below alpha.
+    kendalls_w_interval : tuple of float or None
+        Plausible values of W (bootstrap over people).
+    summaries : tuple of ConditionSummary
+    pairs : tuple of PairResult
+    not_computed_because : str or None
+        Why there are no numbers, if there are none.
+    """
+
+    __test__ = False  # not a test for pytest
+
+    plan: TestPlan
+    exclusions: Exclusions
+    participants: int
+    friedman: Friedman | None = None
+    is_significant: bool | None = None
+    kendalls_w_interval: tuple[float, float] | None = None
+    summaries: tuple[ConditionSummary, ...] = ()
+    pairs: tuple[PairResult, ...] = ()
+    not_computed_because: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CorrelationResult:
+    """One declared correlation, with the pooled one always beside it.
+
+    Parameters
+    ----------
+    plan : CorrelationPlan
+    exclusions : Exclusions
+    distinct_x : int
+        Different values of x; few of them say little about the shape of a relation.
+    repeated_measures, pooled : Correlation or None
+        None if not computed.
+    not_computed_because : str or None
+        Why, if so.
+    """
+
+    plan: CorrelationPlan
+    exclusions: Exclusions
+    distinct_x: int
+    repeated_measures: Correlation | None = None
+    pooled: Correlation | None = None
+    not_computed_because: str | None = None
+
+    @property
+    def declared(self) -> Correlation | None:
+        """The correlation that the plan names."""
+        return self.pooled if self.plan.method == "pearson" else self.repeated_measures
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Results:
+    """Everything that the analysis plan asked for.
+
+    Parameters
+    ----------
+    alpha : float
+        A corrected p below this is called significant; intervals cover 1 - alpha.
+    participants, trials, valid_trials : int
+        What the table held.
+    is_simulated : bool
+        Whether any trial was simulated.
+    tests : tuple of TestResult
+    correlations : tuple of CorrelationResult
+    """
+
+    alpha: float
+    participants: int
+    trials: int
+    valid_trials: int
+    is_simulated: bool
+    tests: tuple[TestResult, ...]
+    correlations: tuple[CorrelationResult, ...]
+
+    def test(self, name: str) -> TestResult:
+        """Give a test by the name that the plan gives it."""
+        return {result.plan.name: result for result in self.tests}[name]
+
+    def correlation(self, name: str) -> CorrelationResult:
+        """Give a correlation by the name that the plan gives it."""
+        return {result.plan.name: result for result in self.correlations}[name]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything as plain values, ready for JSON: the same, byte for byte, for the same trials.
+
+        The fields of a plan stand beside its results, and those of a pair's test beside the pair's own.
+        """
+        return dict(_plain(self))
+
+
+def _plain(value: Any) -> Any:
+    """Turn results into dictionaries, lists, numbers and words."""
+    if isinstance(value, (TestPlan, CorrelationPlan)):
+        return value.model_dump(mode="json")
+    if isinstance(value, (Friedman, Wilcoxon, Correlation, Exclusions, ConditionSummary)):
+        return _plain(asdict(value))
+    if isinstance(value, (Results, TestResult, CorrelationResult, PairResult)):
+        entries = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+        # What was planned, or the test of a pair, stands beside what came out, without a level of its own.
+        return entries.pop("plan", {}) | entries.pop("test", {}) | entries
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    return value
