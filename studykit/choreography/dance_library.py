@@ -64,7 +64,7 @@ class Calibration:
         )
 
     def energy_targets(self, percentile: float) -> tuple[float, float]:
-        """Give the linear and the rotational energy that this share (%) of the chains stays below, J per kg."""
+        """Give the linear and rotational energy that this share (%) of the chains stays below, J per kg."""
         return (
             float(np.percentile(self.chain_linear_energies, percentile)),
             float(np.percentile(self.chain_rotational_energies, percentile)),
@@ -173,13 +173,19 @@ class SegmentDistances:
             return np.asarray(self._dense[first[:, None], second])
         return np.where(first[:, None] == second, 0.0, self._measured(first, second))
 
+    def total(self, segment: int, others: Sequence[int]) -> float:
+        """Give the sum of the distances of one segment to others."""
+        if self._dense is not None:
+            return float(self._dense[segment].take(others).sum())
+        return float(self.between((segment,), others).sum())
+
     def _measured(self, rows: Any, columns: Any) -> Floats:
         first, second = self._vectors(rows), self._vectors(columns)
         products = np.asarray(first @ second.T, dtype=np.float64)
         if self._metric == "cosine":
             return 1.0 - products
         squares = [np.einsum("ij,ij->i", v, v, dtype=np.float64) for v in (first, second)]
-        return np.sqrt(np.maximum(squares[0][:, None] + squares[1] - 2.0 * products, 0.0))
+        return np.asarray(np.sqrt(np.maximum(squares[0][:, None] + squares[1] - 2.0 * products, 0.0)))
 
     def _vectors(self, rows: Any) -> np.ndarray[Any, np.dtype[np.float32]]:
         vectors = self._library.standardised(rows)

@@ -1,1 +1,3 @@
 """The dance library on disk: build it from takes, make one up, fetch public ones, open it."""
+
+from studykit.library.store import open_library as open_library

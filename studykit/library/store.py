@@ -28,6 +28,7 @@ ARRAYS = (
 )
 """One .npy file each, one row a segment."""
 
+_MAPPED = ("rotations", "root_positions", "features")
 _SCALER = ("kinetic_medians", "means", "deviations")
 
 
@@ -148,7 +149,13 @@ def open_library(path: str | Path) -> DanceLibrary:
     folder = Path(path)
     manifest = read_manifest(folder)
     try:
-        arrays = {name: np.load(folder / f"{name}.npy", mmap_mode="r", allow_pickle=False) for name in ARRAYS}
+        arrays = {
+            # What the search looks at all the time is held; the large arrays are mapped.
+            name: np.load(
+                folder / f"{name}.npy", mmap_mode="r" if name in _MAPPED else None, allow_pickle=False
+            )
+            for name in ARRAYS
+        }
         segments = pd.read_parquet(folder / "segments.parquet")
         saved = dict(np.load(folder / "calibration.npz", allow_pickle=False))
     except (OSError, ValueError, EOFError) as error:

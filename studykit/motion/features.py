@@ -177,4 +177,4 @@ def _without(vectors: Floats, direction: Floats) -> Floats:
 
 def _angle(first: Floats, second: Floats) -> Floats:
     """Angle between vectors, rad, exact near 0 and pi."""
-    return np.arctan2(np.linalg.norm(np.cross(first, second), axis=-1), _dot(first, second))
+    return np.asarray(np.arctan2(np.linalg.norm(np.cross(first, second), axis=-1), _dot(first, second)))

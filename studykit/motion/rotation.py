@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -42,7 +44,7 @@ def multiply(first: Floats, second: Floats) -> Floats:
 
 def inverse(quaternions: Floats) -> Floats:
     """Turn back: the inverse of each rotation, shape (..., 4)."""
-    return quaternions * np.array([1.0, -1.0, -1.0, -1.0])
+    return np.asarray(quaternions * np.array([1.0, -1.0, -1.0, -1.0]))
 
 
 def rotate(quaternions: Floats, vectors: Floats) -> Floats:
@@ -105,9 +107,9 @@ def from_euler(order: str, angles: Floats) -> Floats:
     return quaternions.reshape(*angles.shape[:-1], 4)
 
 
-def to_euler(order: str, quaternions: Floats) -> Floats:
+def to_euler(order: Literal["ZXY", "ZYX", "XYZ"], quaternions: Floats) -> Floats:
     """Give Euler angles about moving axes, shape (..., 3), rad; see `from_euler`."""
-    angles = _scipy(quaternions).as_euler(order.upper(), suppress_warnings=True)
+    angles = _scipy(quaternions).as_euler(order, suppress_warnings=True)
     return np.asarray(angles).reshape(*quaternions.shape[:-1], 3)
 
 

@@ -1,0 +1,130 @@
+"""From goals to dances."""
+
+from __future__ import annotations
+
+from studykit.choreography.dance import Dance, DanceMeasures, DanceSegment, blended_measures
+from studykit.choreography.dance_library import DanceLibrary, require_segments
+from studykit.choreography.goal import Goal, goals
+from studykit.choreography.rjmcmc.moves import MoveSet
+from studykit.choreography.rjmcmc.run import SearchResult, run
+from studykit.choreography.rjmcmc.sequence import Repertoire
+from studykit.core.errors import InputError
+from studykit.core.progress import Progress, silent
+from studykit.core.seeding import stream
+from studykit.motion.blending import joined
+from studykit.protocol.study_protocol import StudyProtocol
+
+CHAINS = 4
+"""Searches from different beginnings for one dance; the best is taken."""
+
+
+def choreograph(
+    protocol: StudyProtocol, library: DanceLibrary, *, seed: int = 0, progress: Progress = silent
+) -> dict[str, Dance]:
+    """Find one dance for each condition of a protocol.
+
+    Parameters
+    ----------
+    protocol : StudyProtocol
+        What the dances shall be like.
+    library : DanceLibrary
+        What they are made of.
+    seed : int
+        Other seeds give other dances for the same goals; the same seed gives the same.
+    progress : Progress
+        Told of each dance.
+
+    Raises
+    ------
+    InputError
+        If the library cannot give a dance that is as asked (preset "studykit").
+    """
+    wanted = goals(protocol, library)
+    return {
+        condition: dance(goal, library, seed=seed)
+        for condition, goal in progress(wanted.items(), label="Choreographing", total=len(wanted))
+    }
+
+
+def dance(goal: Goal, library: DanceLibrary, *, seed: int = 0) -> Dance:
+    """Find one dance.
+
+    Raises
+    ------
+    InputError
+        If the library is too small, or no dance as asked was found (preset "studykit"; the preset "paper"
+        gives the best it met).
+    """
+    require_segments(library, goal.segments)
+    repertoire = Repertoire(library, goal.preset.variety)
+    chains = [_search(goal, repertoire, seed=seed, chain=chain) for chain in range(CHAINS)]
+    best = min(chains, key=lambda result: (len(goal.misses(result.sequence.measures)), result.cost))
+    misses = goal.misses(best.sequence.measures)
+    if misses and goal.preset.name == "studykit":
+        off = ", ".join(f"{name} off by {share:.0%}" for name, share in misses.items())
+        raise InputError(
+            f"{len(library)} segments hold no dance of {goal.duration_s:g} s for {goal.condition} ({off})",
+            where=library.name,
+            remedy="add takes, or ask for less extreme intensity or variety in [dance]",
+        )
+    return _dance(goal, library, repertoire, best, seed)
+
+
+def _search(goal: Goal, repertoire: Repertoire, *, seed: int, chain: int) -> SearchResult:
+    rng = stream(seed, "dance", goal.condition, chain)
+    wanted = goal.segments
+    moves = MoveSet(
+        repertoire=repertoire,
+        bounds=(max(1, wanted - 2), min(wanted + 2, repertoire.size)),
+        novelty=goal.novelty,
+        place=goal.preset.moves,
+    )
+    start = repertoire.sequence(
+        tuple(int(s) for s in rng.choice(repertoire.size, size=wanted, replace=False))
+    )
+    return run(start, goal.objective(), moves, goal.preset.schedule, rng=rng, rule=goal.preset.acceptance)
+
+
+def _dance(
+    goal: Goal, library: DanceLibrary, repertoire: Repertoire, result: SearchResult, seed: int
+) -> Dance:
+    # Sums that were carried through thousands of changes are taken anew.
+    measures = repertoire.sequence(result.sequence.segments).measures
+    motion = joined([library.motion(segment) for segment in result.sequence.segments])
+    objective = goal.objective()
+    rows = library.segments.iloc[list(result.sequence.segments)]
+    return Dance(
+        condition=goal.condition,
+        seed=seed,
+        preset=goal.preset.name,
+        segments=tuple(
+            DanceSegment(
+                id=row["id"],
+                take=row["take"],
+                start_s=row["start_s"],
+                mirrored=False,
+                licence=row["licence"],
+            )
+            for row in rows.to_dict("records")
+        ),
+        motion=motion,
+        asked=DanceMeasures(
+            duration_s=goal.duration_s,
+            linear_energy=goal.linear_energy,
+            rotational_energy=goal.rotational_energy,
+            variety=goal.variety,
+        ),
+        achieved=DanceMeasures(
+            duration_s=measures.duration_s,
+            linear_energy=measures.linear_energy,
+            rotational_energy=measures.rotational_energy,
+            variety=measures.variety,
+        ),
+        achieved_blended=blended_measures(motion, measures.variety),
+        cost_total=objective.cost(measures),
+        cost_terms=objective.terms(measures),
+        displacements_m=measures.displacements_m,
+        trace=result.trace,
+        library_sha256=library.sha256,
+        is_synthetic=bool(rows["is_synthetic"].any()),
+    )
