@@ -6,6 +6,7 @@ import json
 import re
 import tomllib
 from difflib import get_close_matches
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
@@ -74,7 +75,7 @@ def line_of(text: str, field: FieldPath) -> int | None:
     """
     # A setting begins on the line after the longest text before it that is valid TOML on its own, and is
     # there as soon as a longer text is valid again. No second parser could disagree with the first.
-    lines = text.splitlines(keepends=True)
+    lines = list(StringIO(text))
     start = 0
     for stop in range(1, len(lines) + 1):
         try:
@@ -140,7 +141,7 @@ def _parsed(text: str, path: Path) -> dict[str, Any]:
 
 def _unfinished_line(text: str) -> int:
     """Find the line where the setting begins that the end of the text leaves open."""
-    lines = text.splitlines(keepends=True)
+    lines = list(StringIO(text))
     for stop in range(len(lines), 0, -1):
         try:
             tomllib.loads("".join(lines[:stop]))
@@ -262,15 +263,15 @@ def _table_lines(model: BaseModel, name: str, explained: set[str]) -> list[str]:
         if isinstance(value, BaseModel):
             lines = _table_lines(value, inner, explained)
             # A table that holds only tables needs no heading of its own.
-            tables += ["", f"[{inner}]", *lines] if lines and lines[0] else lines
+            tables += ["", f"[{inner}]", *lines] if not lines or lines[0] else lines
         elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
             for entry in value:
                 tables += ["", f"[[{inner}]]", *_table_lines(entry, inner, explained)]
         elif value is not None:
-            meaning = "" if f"{inner}" in explained else info.description or ""
+            meaning = "" if inner in explained else info.description or ""
             explained.add(inner)
             settings.append((f"{key} = {_value_text(value)}", meaning))
-    about = (type(model).__doc__ or "").strip().splitlines()[0] if settings or not name else ""
+    about = (type(model).__doc__ or "\n").strip().partition("\n")[0] if settings or not name else ""
     first = f"# {about}" if about and name not in explained else ""
     explained.add(name)
     return [line for line in (first, *_setting_lines(settings)) if line] + tables
