@@ -5,10 +5,6 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from studykit.participant.person import Person
-
-_SMALLEST_ERROR_M = 0.01
-
 
 class _Planted(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -83,14 +79,6 @@ class Effects(_Planted):
     movement_error: Response = Field(description="mean distance of a dancer's joints from the guide, m")
     smoothness: Response = Field(description="rating of smoothness before rounding, 1 to 7")
     enjoyment: Enjoyment
-
-    def demand(self, condition: str, person: Person, rng: np.random.Generator) -> float:
-        """Draw the share of the heart-rate reserve that dancing a condition takes, 0 to 1."""
-        return min(max(self.effort.draw(condition, person.exertion, rng), 0.0), 1.0)
-
-    def error_m(self, condition: str, person: Person, rng: np.random.Generator) -> float:
-        """Draw how far a dancer's joints are from where they should be, m; the skilled are nearer."""
-        return max(self.movement_error.draw(condition, -person.skill, rng), _SMALLEST_ERROR_M)
 
 
 PAPER = Effects(

@@ -11,17 +11,6 @@ from studykit.participant.person import Person
 
 _TICKS_PER_S = 1024
 """Belts count the time between beats in 1/1024 s."""
-DEMAND_OF_PHASE = {
-    "calibrate": 0.05,
-    "baseline": 0.0,
-    "train": 0.25,
-    "watch": 0.05,
-    "rest": 0.0,
-    "smoothness": 0.0,
-    "paces": 0.0,
-    "demographics": 0.0,
-}
-"""Share of the heart-rate reserve that the quiet parts of a visit ask for: sitting, standing, trying out."""
 _BREATH_HZ = 0.25
 _DRIFT_S, _DRIFT_BPM = 12.0, 1.5
 
