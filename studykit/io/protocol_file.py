@@ -65,3 +65,11 @@ def write_protocol(protocol: StudyProtocol, path: Path | str, *, source: Path | 
         raise InputError(
             f"the file cannot be written ({reason})", where=path, remedy="use a folder that you may write to"
         ) from None
+
+
+def default_protocol() -> Path:
+    """Give the file of the study that comes with studykit: intensity, variety and transition, two levels each."""
+    package = Path(__file__).parents[1]
+    # An installed package carries its protocols; a checkout has them beside it.
+    folders = (package / "protocols", package.parent / "protocols")
+    return next(folder for folder in folders if folder.is_dir()) / "dance-2x2x2.toml"

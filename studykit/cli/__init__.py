@@ -1,0 +1,33 @@
+"""The command line: thin, one verb a module."""
+
+from __future__ import annotations
+
+import sys
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run one command; a wrong call or a wrong file ends with one sentence and exit code 2."""
+    import typer  # noqa: PLC0415 - so that `import studykit.cli` costs nothing
+    from typer.main import get_command  # noqa: PLC0415
+
+    from studykit.cli.app import app  # noqa: PLC0415
+    from studykit.core.errors import InputError  # noqa: PLC0415
+
+    # Typer does not say the name of the error that its parser raises; it is what its own one derives from.
+    usage_error = typer.BadParameter.__mro__[1]
+    try:
+        code = get_command(app).main(args=arguments, prog_name="studykit", standalone_mode=False)
+    except InputError as error:
+        _end(f"studykit: {error}", 2)
+    except typer.Abort:
+        _end("studykit: stopped.", 130)
+    except usage_error as error:
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context else "studykit"
+        _end(f"{command}: {getattr(error, 'format_message', error.__str__)()} See '{command} --help'.", 2)
+    raise SystemExit(code if isinstance(code, int) else 0)
+
+
+def _end(sentence: str, code: int) -> None:
+    print(sentence, file=sys.stderr)  # noqa: T201
+    raise SystemExit(code)

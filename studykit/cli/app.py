@@ -1,0 +1,23 @@
+"""All commands, under one name."""
+
+from __future__ import annotations
+
+import typer
+
+from studykit.cli import analyse, choreograph, demo, library, session
+
+app = typer.Typer(
+    name="studykit",
+    help="Design, run and analyse clinical studies of personalised dance exergames.",
+    epilog="Begin with 'studykit demo': a whole study with simulated people, in about a minute.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+)
+app.command("demo")(demo.demo)
+app.add_typer(library.app, name="library")
+app.command("choreograph")(choreograph.choreograph)
+app.add_typer(session.app, name="session")
+app.command("analyse")(analyse.analyse)
+app.command("figures")(analyse.figures)
+app.command("report")(analyse.report)

@@ -1,0 +1,111 @@
+"""studykit demo: a whole study with simulated people, from the library to the report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from studykit.cli import show
+from studykit.cli.choreograph import print_dances
+from studykit.cli.library import AsJson, Seed, make_sample
+
+if TYPE_CHECKING:
+    from studykit.participant.effects import Effects
+    from studykit.protocol.study_protocol import StudyProtocol
+
+SAMPLE = Path("libraries/synthetic")
+SAMPLE_SEGMENTS = 240
+
+
+def demo(
+    library: Annotated[
+        Path | None, typer.Option(help=f"A dance library; without one, {SAMPLE} is made up.")
+    ] = None,
+    participants: Annotated[int, typer.Option(min=1, help="How many simulated people take part.")] = 20,
+    effects: Annotated[
+        str, typer.Option(help="What is planted in them: paper, none, or a TOML file of your own.")
+    ] = "paper",
+    seed: Seed = 1,
+    out: Annotated[
+        Path, typer.Option(help="Folder of the study; one that broke off is gone on with.")
+    ] = Path("sessions/demo"),
+    *,
+    json: AsJson = False,
+) -> None:
+    """Run a whole study with simulated people: library, dances, sessions, statistics, figures, report."""
+    from studykit import reports  # noqa: PLC0415
+    from studykit.choreography import choreograph  # noqa: PLC0415
+    from studykit.library import open_library  # noqa: PLC0415
+    from studykit.library.dance_file import write_dances  # noqa: PLC0415
+    from studykit.protocol.latin_square import assignment, balance  # noqa: PLC0415
+    from studykit.session import open_study  # noqa: PLC0415
+
+    planted = _effects(effects)
+    study = open_study(out, protocol=_protocol(participants))
+    if library is None:
+        if not SAMPLE.exists():
+            make_sample(SAMPLE, SAMPLE_SEGMENTS, seed=0)
+        library = SAMPLE
+    opened = open_library(library)
+    dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
+    write_dances(dances, study.folder.dances)
+    study.simulate(dances, effects=planted, seed=seed, progress=show.progress, workers=2)
+    steps: dict[str, Any] = {
+        "results": reports.analyse,
+        "figures": reports.draw,
+        "report": reports.report,
+    }
+    made = {
+        name: step(out) for name, step in show.progress(steps.items(), label="Analysing", total=len(steps))
+    }
+    if json:
+        show.as_json(made["results"].to_dict())
+        return
+    show.say()
+    print_dances(dances, opened)
+    show.say()
+    show.say(str(balance(assignment(study.protocol))))
+    show.say()
+    show.say(str(made["results"]))
+    show.say()
+    show.say(f"SIMULATED: {participants} people who do not exist danced; effects planted: {effects}.")
+    show.say(f"  report    {made['report']}")
+    show.say(f"  tables    {study.folder.derivatives / 'trials.csv'}, results.json")
+    show.say(f"  raw data  {out} (a BIDS data set)")
+    show.say()
+    show.say("With dances of your own: studykit library build FOLDER --out libraries/mine")
+    show.say("                         studykit demo --library libraries/mine --out sessions/mine")
+    show.say(
+        "With people of your own: copy protocols/dance-2x2x2.toml, then see 'studykit session run --help'"
+    )
+
+
+def _protocol(participants: int) -> StudyProtocol | Path:
+    """Give the default protocol, its file if nothing is changed in it."""
+    from studykit.io.protocol_file import default_protocol, read_protocol  # noqa: PLC0415
+    from studykit.protocol.study_protocol import StudyProtocol  # noqa: PLC0415
+
+    path = default_protocol()
+    protocol = read_protocol(path)
+    if participants == protocol.study.participants:
+        return path
+    values = protocol.model_dump()
+    values["study"]["participants"] = participants
+    rows = len(protocol.order.labels)
+    values["order"]["extra_rows"] = [*protocol.order.extra_rows, *_missing_rows(protocol)][
+        : participants % rows
+    ]
+    return StudyProtocol.model_validate(values)
+
+
+def _missing_rows(protocol: StudyProtocol) -> list[int]:
+    return [row for row in range(1, len(protocol.order.labels) + 1) if row not in protocol.order.extra_rows]
+
+
+def _effects(name: str) -> Effects:
+    from studykit.io.toml_file import read_model  # noqa: PLC0415
+    from studykit.participant.effects import NONE, PAPER, Effects  # noqa: PLC0415
+
+    return {"paper": PAPER, "none": NONE}.get(name) or read_model(Path(name), Effects)
