@@ -68,7 +68,7 @@ def write_protocol(protocol: StudyProtocol, path: Path | str, *, source: Path | 
 
 
 def default_protocol() -> Path:
-    """Give the file of the study that comes with studykit: intensity, variety and transition, two levels each."""
+    """Give the file of the study that comes with studykit: three factors with two levels each."""
     package = Path(__file__).parents[1]
     # An installed package carries its protocols; a checkout has them beside it.
     folders = (package / "protocols", package.parent / "protocols")

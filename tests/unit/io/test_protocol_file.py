@@ -115,3 +115,27 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         write_protocol(protocol, tmp_path / "absent" / "new.toml")
     assert not (tmp_path / "new.toml").exists()
+
+
+def test_every_field_of_the_shipped_protocol_is_found_on_its_own_line() -> None:
+    text = SHIPPED.read_text()
+    lines = text.splitlines()
+
+    def fields(value: object, way: tuple[str | int, ...]) -> list[tuple[str | int, ...]]:
+        inner = (
+            value.items()
+            if isinstance(value, dict)
+            else list(enumerate(value))
+            if isinstance(value, list)
+            else []
+        )
+        holds_tables = any(isinstance(part, dict) for _, part in inner) or isinstance(value, dict)
+        below = [found for key, part in inner for found in fields(part, (*way, key))] if holds_tables else []
+        return [*below, way] if way and not holds_tables else below
+
+    found = fields(read_protocol(SHIPPED).model_dump(mode="json"), ())
+    assert len(found) > 60
+    for way in found:
+        line = line_of(text, way)
+        assert line is not None
+        assert lines[line - 1].startswith(f"{way[-1]} = "), way
