@@ -57,24 +57,23 @@ def transition(state: SessionState, event: Record) -> SessionState:
         If the event cannot follow.
     """
     _check(state, event)
-    state = replace(state, time_s=max(state.time_s, event.time_s))
+    step = event.data.get("step")
+    changes: dict[str, Any] = {}
     match event.kind:
         case "session_started":
-            return replace(state, started=event.data)
+            changes = {"started": event.data}
         case "step_started":
-            return replace(state, steps_begun=event.data["step"], open_step=event.data["step"])
+            changes = {"steps_begun": step, "open_step": step}
         case "step_completed":
-            return replace(state, steps_completed=state.steps_completed + 1, open_step=None, open_frames=None)
+            changes = {"steps_completed": state.steps_completed + 1, "open_step": None}
         case "step_interrupted":
-            return replace(state, open_step=None, open_frames=None)
-        case "frames_started":
-            return replace(state, open_frames=event.data["step"])
-        case "frames_stopped":
-            return replace(state, open_frames=None)
+            changes = {"open_step": None, "open_frames": None}
+        case "frames_started" | "frames_stopped":
+            changes = {"open_frames": step if event.kind == "frames_started" else None}
         case "session_completed":
-            return replace(state, is_completed=True)
-        case _:  # heart_rate, answers, session_resumed: samples and remarks
-            return state
+            changes = {"is_completed": True}
+    # heart_rate, answers and session_resumed are samples and remarks
+    return replace(state, time_s=max(state.time_s, event.time_s), **changes)
 
 
 def replay(records: Iterable[Record]) -> SessionState:

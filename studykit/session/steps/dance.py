@@ -1,0 +1,59 @@
+"""Watching a dance, and dancing it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from studykit.motion.kinematics import joint_positions
+from studykit.participant.movement import perform
+from studykit.session.plan import PlannedStep
+from studykit.session.simulated_participant import SimulatedParticipant
+from studykit.session.step import Reply, ShownDance
+
+_WATCHING = 0.03  # share of the heart-rate reserve
+_LEAST_ERROR_M = 0.01
+
+
+@dataclass(frozen=True)
+class Watch:
+    """See the dance of a condition once."""
+
+    planned: PlannedStep
+    is_filmed = False
+    questionnaire = None
+
+    def simulate(
+        self,
+        participant: SimulatedParticipant,
+        *,
+        start_s: float,
+        rng: np.random.Generator,  # noqa: ARG002 - looking leaves nothing to chance
+    ) -> Reply | None:
+        """Stand and look."""
+        participant.exert(_WATCHING, start_s)
+        return None
+
+
+@dataclass(frozen=True)
+class Perform:
+    """Dance along with the guide: one trial."""
+
+    planned: PlannedStep
+    dance: ShownDance
+    is_filmed = True
+    questionnaire = None
+
+    def simulate(
+        self, participant: SimulatedParticipant, *, start_s: float, rng: np.random.Generator
+    ) -> Reply | None:
+        """Dance as well, and work as hard, as the planted effects say for this condition and person."""
+        person, effects, condition = participant.person, participant.effects, self.dance.condition
+        effort = effects.effort.draw(condition, person.exertion, rng)
+        error_m = max(effects.movement_error.draw(condition, -person.skill, rng), _LEAST_ERROR_M)
+        participant.exert(effort, start_s)
+        motion = self.dance.motion
+        danced = perform(joint_positions(motion), person, error_m, rng, frame_rate_hz=motion.frame_rate_hz)
+        participant.move(danced, start_s=start_s, frame_rate_hz=motion.frame_rate_hz)
+        return None

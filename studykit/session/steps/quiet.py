@@ -1,0 +1,41 @@
+"""Phases without a dance: calibration, baseline, training and rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from studykit.participant.movement import copy
+from studykit.session.plan import PlannedStep
+from studykit.session.simulated_participant import SimulatedParticipant, standing
+from studykit.session.step import Reply
+
+_FRAME_RATE_HZ = 30.0
+_SWAY_M = 0.004  # mean distance of a standing person's joints from their place
+_DEMANDS = {"calibrate": 0.06, "baseline": 0.0, "train": 0.15, "rest": 0.0}  # shares of the reserve
+
+
+@dataclass(frozen=True)
+class Quiet:
+    """Stand, sit or try things out for a while; the camera records while the person stands still."""
+
+    planned: PlannedStep
+    questionnaire = None
+
+    @property
+    def is_filmed(self) -> bool:
+        """Whether the camera records the skeleton."""
+        return self.planned.phase == "calibrate"
+
+    def simulate(
+        self, participant: SimulatedParticipant, *, start_s: float, rng: np.random.Generator
+    ) -> Reply | None:
+        """Spend little effort; while standing, sway a little."""
+        participant.exert(_DEMANDS[self.planned.phase], start_s)
+        if self.is_filmed:
+            frames = max(2, round((self.planned.duration_s or 0.0) * _FRAME_RATE_HZ))
+            still = np.repeat(standing(participant.person)[None], frames, axis=0)
+            swaying = copy(still, _SWAY_M, rng, frame_rate_hz=_FRAME_RATE_HZ)
+            participant.move(swaying, start_s=start_s, frame_rate_hz=_FRAME_RATE_HZ)
+        return None

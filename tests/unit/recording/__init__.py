@@ -1,0 +1,1 @@
+"""Tests of the recording room; a package because another room has a module of the same name."""

@@ -1,0 +1,1 @@
+"""Tests of the session room; a package because another room has a module of the same name."""
