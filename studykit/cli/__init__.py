@@ -24,7 +24,8 @@ def main(arguments: list[str] | None = None) -> None:
     except usage_error as error:
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "studykit"
-        _end(f"{command}: {getattr(error, 'format_message', error.__str__)()} See '{command} --help'.", 2)
+        sentence = str(getattr(error, "format_message", error.__str__)()).rstrip(".?")
+        _end(f"{command}: {sentence}; see '{command} --help'.", 2)
     raise SystemExit(code if isinstance(code, int) else 0)
 
 

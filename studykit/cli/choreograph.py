@@ -80,9 +80,7 @@ def print_dances(dances: Mapping[str, Dance], library: DanceLibrary) -> None:
     """Print what was asked for and what was found."""
     if library.is_synthetic:
         show.say("SYNTHETIC movement: nobody danced these segments.")
-    jumps = {
-        name: 1000 * sum(d.displacements_m) / max(1, len(d.displacements_m)) for name, d in dances.items()
-    }
+    jumps = {name: sum(d.displacements_m) / max(1, len(d.displacements_m)) for name, d in dances.items()}
     show.table(
         [
             {
@@ -92,7 +90,7 @@ def print_dances(dances: Mapping[str, Dance], library: DanceLibrary) -> None:
                 "rotational": _share(dance.achieved.rotational_energy, dance.asked.rotational_energy),
                 "variety": f"{dance.achieved.variety:.1f} of {dance.asked.variety:.1f}",
                 "distinct": f"{dance.distinct_segments} of {len(dance.segments)}",
-                "jump at joins": f"{jumps[name]:.0f} mm",
+                "jump at joins": f"{1000.0 * jumps[name]:.0f} mm",
                 "segments": " ".join(str(segment.id) for segment in dance.segments),
             }
             for name, dance in dances.items()

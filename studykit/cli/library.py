@@ -157,7 +157,6 @@ def _print_info(library: Path) -> None:
     from studykit.motion.body import DEFAULT_BODY_MASS_KG  # noqa: PLC0415
 
     facts = _facts(library)
-    made_up = " SYNTHETIC: nobody danced these." if facts["is_synthetic"] else ""
     kept, paper = facts["segments"], facts["segments_paper"]
     show.say(f"{facts['name']}: {kept} segments ({facts['hours'] * 60:.1f} min) of {facts['takes']} takes")
     if facts["is_synthetic"]:
@@ -169,11 +168,9 @@ def _print_info(library: Path) -> None:
         show.say(f"  {kind}: " + ", ".join(f"{name} ({count})" for name, count in facts[kind].items()))
     show.say(f"  targets of 32 s, for {DEFAULT_BODY_MASS_KG} kg, linear and rotational energy:")
     for level, (name, printed) in enumerate((("light", "56.5 and 31.8"), ("intense", "147.2 and 106.5"))):
-        linear, rotational = (
-            facts[f"{energy}_energy_25_75"][level] * DEFAULT_BODY_MASS_KG
-            for energy in ("linear", "rotational")
-        )
-        show.say(f"    {name}: {linear:.1f} and {rotational:.1f} (the paper: {printed})")
+        linear, rotational = (facts[f"{kind}_energy_25_75"][level] for kind in ("linear", "rotational"))
+        in_paper_unit = f"{linear * DEFAULT_BODY_MASS_KG:.1f} and {rotational * DEFAULT_BODY_MASS_KG:.1f}"
+        show.say(f"    {name}: {in_paper_unit} (the paper: {printed})")
 
 
 def _print_yield(library: Path) -> None:
