@@ -9,14 +9,13 @@ import typer
 
 from studykit.cli import show
 from studykit.cli.choreograph import print_dances
-from studykit.cli.library import AsJson, Seed, make_sample
+from studykit.cli.library import AsJson, Seed
 
 if TYPE_CHECKING:
     from studykit.participant.effects import Effects
     from studykit.protocol.study_protocol import StudyProtocol
 
 SAMPLE = Path("libraries/synthetic")
-SAMPLE_SEGMENTS = 240
 
 
 def demo(
@@ -37,18 +36,14 @@ def demo(
     """Run a whole study with simulated people: library, dances, sessions, statistics, figures, report."""
     from studykit import reports  # noqa: PLC0415
     from studykit.choreography import choreograph  # noqa: PLC0415
-    from studykit.library import open_library  # noqa: PLC0415
+    from studykit.library import make_sample, open_library  # noqa: PLC0415
     from studykit.library.dance_file import write_dances  # noqa: PLC0415
     from studykit.protocol.latin_square import assignment, balance  # noqa: PLC0415
     from studykit.session import open_study  # noqa: PLC0415
 
     planted = _effects(effects)
     study = open_study(out, protocol=_protocol(participants))
-    if library is None:
-        if not SAMPLE.exists():
-            make_sample(SAMPLE, SAMPLE_SEGMENTS, seed=0)
-        library = SAMPLE
-    opened = open_library(library)
+    opened = make_sample(SAMPLE, progress=show.progress) if library is None else open_library(library)
     dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
     write_dances(dances, study.folder.dances)
     study.simulate(dances, effects=planted, seed=seed, progress=show.progress, workers=2)
@@ -85,23 +80,11 @@ def demo(
 def _protocol(participants: int) -> StudyProtocol | Path:
     """Give the default protocol, its file if nothing is changed in it."""
     from studykit.io.protocol_file import default_protocol, read_protocol  # noqa: PLC0415
-    from studykit.protocol.study_protocol import StudyProtocol  # noqa: PLC0415
 
     path = default_protocol()
     protocol = read_protocol(path)
-    if participants == protocol.study.participants:
-        return path
-    values = protocol.model_dump()
-    values["study"]["participants"] = participants
-    rows = len(protocol.order.labels)
-    values["order"]["extra_rows"] = [*protocol.order.extra_rows, *_missing_rows(protocol)][
-        : participants % rows
-    ]
-    return StudyProtocol.model_validate(values)
-
-
-def _missing_rows(protocol: StudyProtocol) -> list[int]:
-    return [row for row in range(1, len(protocol.order.labels) + 1) if row not in protocol.order.extra_rows]
+    same = participants == protocol.study.participants
+    return path if same else protocol.with_participants(participants)
 
 
 def _effects(name: str) -> Effects:

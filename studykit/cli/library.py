@@ -98,19 +98,11 @@ def sample(
     seed: Seed = 0,
 ) -> None:
     """Make up a synthetic library, of any size: nobody danced it, and it says so."""
-    make_sample(out, segments, seed)
+    from studykit.library import make_sample  # noqa: PLC0415
+
+    make_sample(out, segments=segments, seed=seed, progress=show.progress)
     _print_info(out)
     show.say(f"Next: studykit demo --library {out}")
-
-
-def make_sample(out: Path, segments: int, seed: int) -> None:
-    """Make up a library, with progress."""
-    from studykit.library.build import write_library  # noqa: PLC0415
-    from studykit.library.sample import PHRASES, takes  # noqa: PLC0415
-
-    total = -(-segments // PHRASES)
-    made = show.progress(takes(segments, seed), label="Making up takes", total=total)
-    write_library(made, out, name="studykit-synthetic", seed=seed)
 
 
 @app.command()

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final
 
+from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.errors import InputError
+from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.core.seeding import stream
-from studykit.library import synthesis
+from studykit.library import store, synthesis
+from studykit.library.build import write_library
 from studykit.library.take import Take, TakeSource
 from studykit.motion.motion import Motion
 
@@ -86,3 +90,33 @@ def _take(number: int, seed: int, phrases: int) -> Take:
             sha256=sha256_of_value({"data_set": DATA_SET, "seed": seed, "take": number, "phrases": phrases}),
         ),
     )
+
+
+def make_sample(
+    out: str | Path, *, segments: int = 240, seed: int = 0, progress: Progress = silent
+) -> DanceLibrary:
+    """Make up a whole library, or open it if this very one is there already.
+
+    Parameters
+    ----------
+    out : str or Path
+        The folder to make.
+    segments : int
+        How many segments of 4 s.
+    seed : int
+        Repeats the library.
+    progress : Progress
+        Told of each take.
+
+    Raises
+    ------
+    InputError
+        If something else is in the folder, or it cannot be written.
+    """
+    folder = Path(out)
+    if (folder / "manifest.json").exists():
+        there = store.read_manifest(folder)
+        if (there["name"], there["segments"], there["seed"]) == (DATA_SET, segments, seed):
+            return store.open_library(folder)
+    made = progress(takes(segments, seed), label="Making up takes", total=-(-segments // PHRASES))
+    return write_library(made, folder, name=DATA_SET, seed=seed)
