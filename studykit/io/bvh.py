@@ -14,6 +14,7 @@ from studykit.motion import rotation
 from studykit.motion.motion import Motion
 
 _AGAIN = "export the take again"
+_CHANNELS = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -117,11 +118,8 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
             case [] | ["HIERARCHY"]:
                 continue
             case ["ROOT" | "JOINT", name, *rest]:
-                parent = open_joints[-1] if open_joints else -1
-                if parent is None:
-                    raise InputError("a joint inside an end site", where=place, remedy=_AGAIN)
-                joints.append(_Joint(name=" ".join((name, *rest)), parent=parent))
-                pending = len(joints) - 1
+                pending = len(joints)
+                joints.append(_Joint(name=" ".join((name, *rest)), parent=_parent(open_joints, place)))
             case ["End", *_]:
                 pending = None
             case ["{"]:
@@ -131,16 +129,28 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
             case ["OFFSET", *numbers] if open_joints:
                 _set_offset(joints, open_joints[-1], numbers, place)
             case ["CHANNELS", count, *names] if open_joints and open_joints[-1] is not None:
-                if count != str(len(names)):
-                    raise InputError(
-                        f"{count} channels promised, {len(names)} named", where=place, remedy=_AGAIN
-                    )
-                joints[open_joints[-1]].channels = tuple(names)
+                joints[open_joints[-1]].channels = _checked_channels(count, names, place)
             case ["MOTION"] if joints and not open_joints:
                 return joints, number
             case _:
                 raise InputError(f"not BVH: {line.strip()[:40]!r}", where=place, remedy=_AGAIN)
-    raise InputError("the file ends before its motion", where=path, remedy=_AGAIN)
+    place = f"{path}, line {len(lines)}"
+    raise InputError("the file ends before its motion", where=place, remedy=_AGAIN)
+
+
+def _parent(open_joints: list[int | None], place: str) -> int:
+    parent = open_joints[-1] if open_joints else -1
+    if parent is None:
+        raise InputError("a joint inside an end site", where=place, remedy=_AGAIN)
+    return parent
+
+
+def _checked_channels(count: str, names: list[str], place: str) -> tuple[str, ...]:
+    if count != str(len(names)):
+        raise InputError(f"{count} channels promised, {len(names)} named", where=place, remedy=_AGAIN)
+    if len(_CHANNELS.intersection(names)) != len(names):
+        raise InputError(f"channels {' '.join(names)}, not all known", where=place, remedy=_AGAIN)
+    return tuple(names)
 
 
 def _set_offset(joints: list[_Joint], joint: int | None, numbers: list[str], place: str) -> None:
@@ -156,17 +166,17 @@ def _set_offset(joints: list[_Joint], joint: int | None, numbers: list[str], pla
 
 def _read_frames(path: Path, lines: list[str], motion_line: int, channels: int) -> tuple[float, Floats]:
     """Read the frames below MOTION; give the frame time (s) and the values, shape (frame, channel)."""
+    place = f"{path}, line {motion_line + 2}"
     head = [line.replace(":", " ").split() for line in lines[motion_line + 1 : motion_line + 3]]
     try:
         frames, frame_time = int(head[0][-1]), float(head[1][-1])
     except (IndexError, ValueError):
-        place = f"{path}, line {motion_line + 2}"
         raise InputError("no number of frames or no frame time", where=place, remedy=_AGAIN) from None
     rows = [(n, line) for n, line in enumerate(lines[motion_line + 3 :], motion_line + 4) if line.strip()]
-    if frames < 1 or not frame_time > 0.0:
-        raise InputError("no frames", where=path, remedy=_AGAIN)
+    if frames < 1 or not 0.0 < frame_time < np.inf:
+        raise InputError("no frames, or no frame time above zero", where=place, remedy=_AGAIN)
     if len(rows) != frames:
-        raise InputError(f"{frames} frames promised, {len(rows)} found", where=path, remedy=_AGAIN)
+        raise InputError(f"{frames} frames promised, {len(rows)} found", where=place, remedy=_AGAIN)
     try:
         values = np.array([line.split() for _, line in rows], dtype=np.float64)
     except ValueError:

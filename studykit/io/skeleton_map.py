@@ -71,7 +71,7 @@ def to_smpl(take: BvhTake, skeleton: str, *, units_m: float, frame_rate_hz: floa
     """Carry a take over to SMPL's body.
 
     Every bone of SMPL is turned, against its T-pose, as the foreign bone that drives it is turned against
-    its own. The way of the root is scaled by the length of the legs, so that feet slide as little as possible.
+    its own. The way of the root is scaled by the length of the legs, so that feet slide little.
 
     Parameters
     ----------

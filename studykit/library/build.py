@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -159,18 +160,20 @@ def write_library(
         If `out` exists or cannot be written, or too little is left after cleaning.
     """
     with store.new_folder(Path(out)) as folder:
-        writers = {key: store.ArrayWriter(folder / f"{key}.npy", *form) for key, form in _ROW_SHAPES.items()}
         rows: list[dict[str, Any]] = []
         yields: list[TakeYield] = []
-        for take in takes:
-            measured, outcome = _measured(take, noise_rule)
-            yields.append(outcome)
-            for start_s, arrays in measured:
-                for key, writer in writers.items():
-                    writer.append(arrays[key][None])
-                rows.append(_index_row(len(rows), take, start_s))
-        for writer in writers.values():
-            writer.close()
+        with ExitStack() as files:
+            writers = {
+                key: files.enter_context(closing(store.ArrayWriter(folder / f"{key}.npy", *form)))
+                for key, form in _ROW_SHAPES.items()
+            }
+            for take in takes:
+                measured, outcome = _measured(take, noise_rule)
+                yields.append(outcome)
+                for start_s, arrays in measured:
+                    for key, writer in writers.items():
+                        writer.append(arrays[key][None])
+                    rows.append(_index_row(len(rows), take, start_s))
         _finish(folder, rows, yields, name=name, noise_rule=noise_rule, seed=seed)
     return store.open_library(out)
 

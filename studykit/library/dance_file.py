@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -70,7 +71,7 @@ def read_dance(folder: str | Path, condition: str) -> Dance:
                 frame_rate_hz=float(saved["mocap_framerate"]),
             )
         return Dance.from_dict(values, motion)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
         raise InputError(
             f"no dance can be read ({error})", where=stem, remedy="make it again with 'studykit choreograph'"
         ) from error

@@ -62,8 +62,10 @@ def find_recipe(folder: Path) -> Recipe:
     Raises
     ------
     InputError
-        If neither is there, or the recipe has a mistake.
+        If there is no such folder, it has neither, or the recipe has a mistake.
     """
+    if not folder.is_dir():
+        raise InputError("there is no such folder", where=folder, remedy="check the path")
     own = folder / FILE_NAME
     if own.exists():
         return _checked(read_model(own, Recipe), own)

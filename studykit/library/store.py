@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -119,12 +120,13 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     path = folder / "manifest.json"
     try:
         manifest: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        version = manifest["version"]
+    except (OSError, ValueError, KeyError, TypeError):
         remedy = "build one with 'studykit library build' or 'studykit library sample'"
         raise InputError("not a dance library", where=folder, remedy=remedy) from None
-    if manifest.get("version") != VERSION:
+    if version != VERSION:
         raise InputError(
-            f"a library of version {manifest.get('version')}, this studykit reads {VERSION}",
+            f"a library of version {version}, this studykit reads {VERSION}",
             where=path,
             remedy="build it again",
         )
@@ -157,19 +159,21 @@ def open_library(path: str | Path) -> DanceLibrary:
             for name in ARRAYS
         }
         segments = pd.read_parquet(folder / "segments.parquet")
-        saved = dict(np.load(folder / "calibration.npz", allow_pickle=False))
-    except (OSError, ValueError, EOFError) as error:
+        with np.load(folder / "calibration.npz", allow_pickle=False) as saved:
+            scaler = FeatureScaler(**{name: saved[name] for name in _SCALER})
+            calibration = Calibration(
+                median_distance=float(saved["median_distance"]),
+                **{name: saved[name] for name in Calibration.array_names()},
+            )
+    except (OSError, ValueError, EOFError, KeyError, BadZipFile) as error:
         raise InputError(f"broken library ({error})", where=folder, remedy="build it again") from error
     if any(len(array) != len(segments) for array in arrays.values()):
         raise InputError("arrays of different length", where=folder, remedy="build the library again")
     return DanceLibrary(
         name=manifest["name"],
         segments=segments,
-        scaler=FeatureScaler(**{name: saved[name] for name in _SCALER}),
-        calibration=Calibration(
-            median_distance=float(saved["median_distance"]),
-            **{name: saved[name] for name in Calibration.array_names()},
-        ),
+        scaler=scaler,
+        calibration=calibration,
         sha256=manifest["sha256"],
         **arrays,
     )

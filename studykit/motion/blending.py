@@ -86,7 +86,10 @@ def _spread_mismatch(rotations: Floats, roots: Floats, frame: int) -> None:
     speed_before, speed_after = rotation.between(*before), rotation.between(*after)
     meet_before = rotation.multiply(before[1], rotation.exp(0.5 * speed_before))
     meet_after = rotation.multiply(after[0], rotation.exp(-0.5 * speed_after))
-    gap, speed_gap = rotation.between(meet_before, meet_after), speed_after - speed_before
+    gap = rotation.between(meet_before, meet_after)
+    # Both speeds as seen from the pose halfway, where the sides will meet.
+    half = rotation.exp(0.5 * gap)
+    speed_gap = rotation.rotate(half, speed_after) - rotation.rotate(rotation.inverse(half), speed_before)
 
     root_speeds = roots[frame - 1] - roots[frame - 2], roots[frame + 1] - roots[frame]
     root_gap = (roots[frame] - 0.5 * root_speeds[1]) - (roots[frame - 1] + 0.5 * root_speeds[0])

@@ -46,7 +46,7 @@ def flagged(positions: Floats, frame_rate_hz: float, rule: NoiseRule) -> dict[st
             "speed": np.any(speed > SPEED_LIMIT_M_S, axis=1),
             "acceleration": np.any(acceleration > ACCELERATION_LIMIT_M_S2, axis=1),
         }
-    measured = acceleration[1:-1]
+    measured = acceleration[1:-1] if frames > 2 else acceleration
     limit = measured.mean(axis=0) + 2.0 * measured.std(axis=0)
     # A joint that never moves from the pelvis has no spread: rounding is not a glitch.
     return {"paper": np.any(acceleration > np.maximum(limit, 1e-6), axis=1)}

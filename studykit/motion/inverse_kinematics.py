@@ -50,7 +50,7 @@ def rotations_from_positions(positions: Floats, skeleton: Skeleton = NEUTRAL_BOD
 
 
 def _unit(vectors: Floats) -> Floats:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9))
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12))
 
 
 def _swing(start: Floats, end: Floats) -> Floats:
@@ -58,7 +58,9 @@ def _swing(start: Floats, end: Floats) -> Floats:
     axis = np.cross(start, end)
     sine = np.linalg.norm(axis, axis=-1, keepdims=True)
     angle = np.arctan2(sine, np.sum(start * end, axis=-1, keepdims=True))
-    return rotation.exp(axis / np.maximum(sine, 1e-12) * angle)
+    # Vectors on one line have no cross product: any axis across serves to turn one about.
+    across = np.cross(start, np.eye(3)[np.argmin(np.abs(start), axis=-1)])
+    return rotation.exp(_unit(np.where(sine < 1e-9, across, axis)) * angle)
 
 
 def _kabsch(rest: Floats, seen: Floats) -> Floats:

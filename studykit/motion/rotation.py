@@ -107,7 +107,7 @@ def from_euler(order: str, angles: Floats) -> Floats:
     return quaternions.reshape(*angles.shape[:-1], 4)
 
 
-def to_euler(order: Literal["ZXY", "ZYX", "XYZ"], quaternions: Floats) -> Floats:
+def to_euler(order: Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"], quaternions: Floats) -> Floats:
     """Give Euler angles about moving axes, shape (..., 3), rad; see `from_euler`."""
     angles = _scipy(quaternions).as_euler(order, suppress_warnings=True)
     return np.asarray(angles).reshape(*quaternions.shape[:-1], 3)

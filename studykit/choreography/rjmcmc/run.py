@@ -98,11 +98,11 @@ def run(
     """
     now = best = start
     best_cost = objective.cost(start.measures)
-    history = [best_cost] * _STOP_WINDOW
+    history = [math.inf] * _STOP_WINDOW
     trace: list[TraceRow] = []
     for stage, (temperature, width) in enumerate(zip(schedule.temperatures, schedule.widths, strict=True)):
         cost = objective.cost(now.measures, width=width)
-        accepted = 0
+        accepted, stalled = 0, False
         for iteration in range(schedule.stage_iterations):
             proposal = move.propose(now, rng)
             draw = math.log(1.0 - rng.random())
@@ -114,9 +114,10 @@ def run(
                     if final < best_cost:
                         best, best_cost = now, final
             slot = iteration % _STOP_WINDOW
-            stalled = history[slot] - best_cost <= schedule.stop_below * best_cost
+            little = history[slot] - best_cost <= schedule.stop_below * best_cost
             history[slot] = best_cost
-            if schedule.stop_below and temperature <= _COLD and stalled:
+            stalled = schedule.stop_below > 0.0 and temperature <= _COLD and little
+            if stalled:
                 break
         done = stage * schedule.stage_iterations + iteration + 1
         trace.append(
@@ -130,4 +131,6 @@ def run(
                 accepted=accepted / (iteration + 1),
             )
         )
+        if stalled:
+            break
     return SearchResult(sequence=best, cost=best_cost, trace=tuple(trace))
