@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from studykit import analysis as analysis
     from studykit import figures as figures
+    from studykit import library as library
+    from studykit import protocol as protocol
     from studykit import reports as reports
     from studykit.choreography import choreograph as choreograph
     from studykit.io.protocol_file import read_protocol as read_protocol
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_ROOMS = ("analysis", "figures", "reports")
+_ROOMS = ("analysis", "figures", "library", "protocol", "reports")
 _NAMES = {
     "choreograph": "studykit.choreography",
     "open_library": "studykit.library",
