@@ -22,7 +22,13 @@ def demo(
     library: Annotated[
         Path | None, typer.Option(help=f"A dance library; without one, {SAMPLE} is made up.")
     ] = None,
-    participants: Annotated[int, typer.Option(min=1, help="How many simulated people take part.")] = 20,
+    participants: Annotated[
+        int | None,
+        typer.Option(min=1, help="How many simulated people take part; the protocol's number if not given."),
+    ] = None,
+    protocol: Annotated[
+        Path | None, typer.Option(help="A protocol of your own to rehearse; the 2x2x2 study if not given.")
+    ] = None,
     effects: Annotated[
         str, typer.Option(help="What is planted in them: paper, none, or a TOML file of your own.")
     ] = "paper",
@@ -42,7 +48,7 @@ def demo(
     from studykit.session import open_study  # noqa: PLC0415
 
     planted = _effects(effects)
-    study = open_study(out, protocol=_protocol(participants))
+    study = open_study(out, protocol=_protocol(protocol, participants))
     opened = make_sample(SAMPLE, progress=show.progress) if library is None else open_library(library)
     dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
     write_dances(dances, study.folder.dances)
@@ -65,7 +71,9 @@ def demo(
     show.say()
     show.say(str(made["results"]))
     show.say()
-    show.say(f"SIMULATED: {participants} people who do not exist danced; effects planted: {effects}.")
+    show.say(
+        f"SIMULATED: {len(study.participants)} people who do not exist danced; effects planted: {effects}."
+    )
     show.say(f"  report    {made['report']}")
     show.say(f"  tables    {study.folder.derivatives / 'trials.csv'}, results.json")
     show.say(f"  raw data  {out} (a BIDS data set)")
@@ -77,14 +85,12 @@ def demo(
     )
 
 
-def _protocol(participants: int) -> StudyProtocol | Path:
-    """Give the default protocol, its file if nothing is changed in it."""
+def _protocol(given: Path | None, participants: int | None) -> StudyProtocol | Path:
+    """Give the protocol to rehearse, its file if nothing is changed in it."""
     from studykit.io.protocol_file import default_protocol, read_protocol  # noqa: PLC0415
 
-    path = default_protocol()
-    protocol = read_protocol(path)
-    same = participants == protocol.study.participants
-    return path if same else protocol.with_participants(participants)
+    path = given or default_protocol()
+    return path if participants is None else read_protocol(path).with_participants(participants)
 
 
 def _effects(name: str) -> Effects:

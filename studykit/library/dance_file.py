@@ -21,14 +21,19 @@ def write_dances(dances: Mapping[str, Dance], folder: str | Path) -> None:
     """Write each dance as CONDITION.npz, CONDITION.bvh and CONDITION.json.
 
     The archive has the layout of AMASS with SMPL's 24 joints: `poses` (frame, 72) axis-angle in rad, `trans`
-    (frame, 3) m, `betas`, `gender`, `mocap_framerate`; Y is up.
+    (frame, 3) m, `betas`, `gender`, `mocap_framerate`; Y is up. A dance that is there already stays.
 
     Raises
     ------
     InputError
-        If the folder cannot be written.
+        If the folder cannot be written, or another dance of the same name is in it.
     """
     folder = Path(folder)
+    for condition, dance in dances.items():
+        if (folder / f"{condition}.json").exists() and read_dance(folder, condition).sha256 != dance.sha256:
+            raise InputError(
+                f"another dance {condition} is there already", where=folder, remedy="choose another folder"
+            )
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for condition, dance in dances.items():
