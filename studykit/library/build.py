@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studykit.choreography.dance_library import Calibration, DanceLibrary
+from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_bytes, versions
@@ -265,32 +265,28 @@ def _finish(
         folder / "yield.csv", index=False
     )
     scaler = fit_scaler(np.load(folder / "features.npy", mmap_mode="r"))
-    empty = Calibration(**{key: np.zeros(0) for key in Calibration.array_names()}, median_distance=1.0)
-    store.write_calibration(folder, scaler, empty)
-    sha256 = store.digest(folder)
+    library = store.load(folder, name=name, scaler=scaler, calibration=store.UNCALIBRATED, sha256="")
+    store.write_calibration(folder, scaler, calibrate(library, stream(seed, "calibration")))
     manifest = {
         "version": store.VERSION,
         "name": name,
-        "sha256": sha256,
-        "is_synthetic": bool(table["is_synthetic"].any()),
+        "sha256": store.digest(folder),
+        "is_synthetic": library.is_synthetic,
         "noise_rule": noise_rule,
         "seed": seed,
-        "segments": len(table),
-        "hours": round(len(table) * SEGMENT_FRAMES / FRAME_RATE_HZ / 3600.0, 6),
+        "segments": len(library),
+        "hours": round(len(library) * SEGMENT_FRAMES / FRAME_RATE_HZ / 3600.0, 6),
         "takes": len(yields),
+        "segments_possible": sum(y.segments_possible for y in yields),
+        "segments_paper": sum(y.segments_paper for y in yields),
         "data_sets": _count(table, "data_set"),
         "genres": _count(table, "genre"),
         "performers": _count(table, "performer"),
         "licences": _count(table, "licence"),
-        "segments_possible": sum(y.segments_possible for y in yields),
-        "segments_paper": sum(y.segments_paper for y in yields),
         "versions": versions(),
     }
-    (folder / "manifest.json").write_text(
-        json.dumps(manifest, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
-    )
-    library = store.open_library(folder)
-    store.write_calibration(folder, scaler, calibrate(library, stream(seed, "calibration")))
+    text = json.dumps(manifest, indent=1, ensure_ascii=False)
+    (folder / "manifest.json").write_text(text + "\n", encoding="utf-8")
 
 
 def _count(table: pd.DataFrame, column: str) -> dict[str, int]:

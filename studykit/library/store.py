@@ -98,8 +98,13 @@ def new_folder(out: Path) -> Iterator[Path]:
 
 
 def digest(folder: Path) -> str:
-    """Give the digest of a library's content."""
-    return sha256_of_files([folder / "segments.parquet", *(folder / f"{name}.npy" for name in ARRAYS)])
+    """Give the digest of a library's content: its segments, all that is measured on them, its calibration."""
+    names = ("segments.parquet", "calibration.npz", *(f"{name}.npy" for name in ARRAYS))
+    return sha256_of_files(folder / name for name in names)
+
+
+UNCALIBRATED = Calibration(**{name: np.zeros(0) for name in Calibration.array_names()}, median_distance=1.0)
+"""Stands in for the calibration of a library that is being built."""
 
 
 def write_calibration(folder: Path, scaler: FeatureScaler, calibration: Calibration) -> None:
@@ -133,6 +138,25 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     return manifest
 
 
+def load(
+    folder: Path, *, name: str, scaler: FeatureScaler, calibration: Calibration, sha256: str
+) -> DanceLibrary:
+    """Put a library together from the files of its segments and what is known of them."""
+    import pandas as pd  # noqa: PLC0415 - heavy
+
+    arrays = {
+        # What the search looks at all the time is held; the large arrays are mapped.
+        key: np.load(folder / f"{key}.npy", mmap_mode="r" if key in _MAPPED else None, allow_pickle=False)
+        for key in ARRAYS
+    }
+    segments = pd.read_parquet(folder / "segments.parquet")
+    if any(len(array) != len(segments) for array in arrays.values()):
+        raise ValueError("arrays of different length")
+    return DanceLibrary(
+        name=name, segments=segments, scaler=scaler, calibration=calibration, sha256=sha256, **arrays
+    )
+
+
 def open_library(path: str | Path) -> DanceLibrary:
     """Open a dance library; its large arrays stay on disk until rows are used.
 
@@ -146,34 +170,17 @@ def open_library(path: str | Path) -> DanceLibrary:
     InputError
         If the folder is not a library or one of its files is missing or broken.
     """
-    import pandas as pd  # noqa: PLC0415 - heavy
-
     folder = Path(path)
     manifest = read_manifest(folder)
     try:
-        arrays = {
-            # What the search looks at all the time is held; the large arrays are mapped.
-            name: np.load(
-                folder / f"{name}.npy", mmap_mode="r" if name in _MAPPED else None, allow_pickle=False
-            )
-            for name in ARRAYS
-        }
-        segments = pd.read_parquet(folder / "segments.parquet")
         with np.load(folder / "calibration.npz", allow_pickle=False) as saved:
             scaler = FeatureScaler(**{name: saved[name] for name in _SCALER})
             calibration = Calibration(
                 median_distance=float(saved["median_distance"]),
                 **{name: saved[name] for name in Calibration.array_names()},
             )
+        return load(
+            folder, name=manifest["name"], scaler=scaler, calibration=calibration, sha256=manifest["sha256"]
+        )
     except (OSError, ValueError, EOFError, KeyError, BadZipFile) as error:
         raise InputError(f"broken library ({error})", where=folder, remedy="build it again") from error
-    if any(len(array) != len(segments) for array in arrays.values()):
-        raise InputError("arrays of different length", where=folder, remedy="build the library again")
-    return DanceLibrary(
-        name=manifest["name"],
-        segments=segments,
-        scaler=scaler,
-        calibration=calibration,
-        sha256=manifest["sha256"],
-        **arrays,
-    )
