@@ -137,13 +137,14 @@ class SessionRecord:
                 remedy=f"choose one of {', '.join(map(str, self.frame_files)) or 'none'}",
             )
         recorded = self.frame_files[step]
+        tracks = read_frames(recorded.path, self.joint_names)
         if recorded.sha256 is not None and sha256_of_file(recorded.path) != recorded.sha256:
             raise InputError(
                 "the frames are not those that were recorded",
                 where=recorded.path,
                 remedy="restore the file from a copy of the study",
             )
-        return read_frames(recorded.path, self.joint_names)
+        return tracks
 
     def answers_to(self, questionnaire: str, *, condition: str | None = None) -> Mapping[str, Any] | None:
         """Give the answers to a questionnaire, or None if it was not filled in."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Coroutine, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from collections.abc import Sequence as Sequence_
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -225,7 +225,7 @@ class _Run:
         await belt.open()
         try:
             async with asyncio.TaskGroup() as tasks:
-                background = [tasks.create_task(self._watched(self._listen(), belt.name))]
+                background = [tasks.create_task(self._watched(self._listen, belt.name))]
                 if not self._setting.is_simulated:
                     background.append(tasks.create_task(self._keep_safe()))
                 for step in steps:
@@ -289,7 +289,7 @@ class _Run:
         writer = self._frames = FrameWriter(self._journal.path.with_suffix("") / name, JOINT_NAMES)
         self._note("frames_started", {"step": number, "file": name})
         await camera.open()
-        task = tasks.create_task(self._watched(self._film(writer), camera.name))
+        task = tasks.create_task(self._watched(lambda: self._film(writer), camera.name))
         try:
             yield
         finally:
@@ -323,10 +323,10 @@ class _Run:
             if self._frames is not None:
                 self._frames.sync()
 
-    async def _watched(self, work: Coroutine[Any, Any, None], device: str) -> None:
+    async def _watched(self, work: Callable[[], Awaitable[None]], device: str) -> None:
         """Remember which device ended the visit, if one does."""
         try:
-            await work
+            await work()
         except Exception as error:
             self._fault = f"{device}: {error}"
             raise
