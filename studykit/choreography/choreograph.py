@@ -14,10 +14,8 @@ from studykit.core.seeding import stream
 from studykit.motion.blending import joined
 from studykit.protocol.study_protocol import StudyProtocol
 
-CHAINS = 4
-"""Searches from different beginnings for one dance; the best is taken."""
-MOST_CHAINS = 16
-"""How many more are tried while none has hit all goals."""
+PATIENCE = 4
+"""How many times the preset's chains are tried while none has hit all goals."""
 
 
 def choreograph(
@@ -60,7 +58,7 @@ def dance(goal: Goal, library: DanceLibrary, *, seed: int = 0) -> Dance:
     require_segments(library, goal.segments)
     repertoire = Repertoire(library, goal.preset.variety)
     best, misses = _best_of_chains(goal, repertoire, seed)
-    if misses and goal.preset.name == "studykit":
+    if misses and goal.preset.is_reached:
         off = ", ".join(f"{name} off by {share:.0%}" for name, share in misses.items())
         raise InputError(
             f"{len(library)} segments hold no dance of {goal.duration_s:g} s for {goal.condition} ({off})",
@@ -73,11 +71,11 @@ def dance(goal: Goal, library: DanceLibrary, *, seed: int = 0) -> Dance:
 def _best_of_chains(goal: Goal, repertoire: Repertoire, seed: int) -> tuple[SearchResult, dict[str, float]]:
     """Give the dance of lowest cost among those that miss least, and what it misses."""
     found: list[tuple[int, float, int, SearchResult]] = []
-    for chain in range(MOST_CHAINS):
+    preset = goal.preset
+    for chain in range(preset.chains * (PATIENCE if preset.is_reached else 1)):
         result = _search(goal, repertoire, seed=seed, chain=chain)
         found.append((len(goal.misses(result.sequence.measures)), result.cost, chain, result))
-        patient = goal.preset.name == "studykit" and min(found)[0] > 0
-        if chain + 1 >= CHAINS and not patient:
+        if chain + 1 >= preset.chains and min(found)[0] == 0:
             break
     best = min(found)[-1]
     return best, goal.misses(best.sequence.measures)

@@ -33,6 +33,10 @@ class Preset:
         and never where it does not.
     schedule : Schedule
         Temperatures and tolerances over the iterations.
+    chains : int
+        Searches from different beginnings, of which the best is taken.
+    is_reached : bool
+        Whether its targets can be reached: a dance that misses them is then an error, not a result.
     """
 
     name: str
@@ -43,6 +47,8 @@ class Preset:
     acceptance: Literal["exact", "metropolis"]
     copies: bool
     schedule: Schedule
+    chains: int
+    is_reached: bool
 
 
 STUDYKIT = Preset(
@@ -54,6 +60,8 @@ STUDYKIT = Preset(
     acceptance="exact",
     copies=True,
     schedule=Schedule.geometric(iterations=16_000, start=0.3, end=0.002, start_width=6.0),
+    chains=4,
+    is_reached=True,
 )
 """The reading whose targets are reached."""
 
@@ -66,6 +74,8 @@ PAPER = Preset(
     acceptance="metropolis",
     copies=False,
     schedule=Schedule.paper(),
+    chains=1,
+    is_reached=False,
 )
 """The printed formulas, constants and search, but for a bound on the length, without which it diverges."""
 
