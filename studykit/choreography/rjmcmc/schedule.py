@@ -55,6 +55,6 @@ class Schedule:
 
     @classmethod
     def paper(cls) -> Schedule:
-        """Cool as printed, from 1.0 by 0.01 every 1,000 iterations; stop when cold and 50 change the best < 3 %."""
+        """Cool as printed, by 0.01 every 1,000 iterations; stop when cold and 50 change the best by < 3 %."""
         temperatures = np.round(1.0 - 0.01 * np.arange(101), 2)
         return cls(temperatures=temperatures, widths=np.ones(101), stage_iterations=1000, stop_below=0.03)
