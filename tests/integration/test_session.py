@@ -6,9 +6,9 @@ import asyncio
 import json
 import pickle
 import shutil
+import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -124,67 +124,64 @@ def test_a_visit_interrupted_after_any_record_is_resumed_and_whole(
 # Killed
 
 CHILD = """
-import asyncio, pickle, sys
+import asyncio, os, pickle, signal, sys
 from pathlib import Path
+from studykit.recording import frames, journal
 from studykit.session.study import open_study
-study = open_study(sys.argv[1])
+
+left, write_all = int(sys.argv[3]), journal.write_all
+
+def write_and_die(file, data):
+    global left
+    left -= 1
+    write_all(file, data if left else data[: len(data) // 2])
+    if not left:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+journal.write_all = frames.write_all = write_and_die
 dances = pickle.loads(Path(sys.argv[2]).read_bytes())
-asyncio.run(study.session("01").run(dances))
+asyncio.run(open_study(sys.argv[1]).session("01").run(dances))
 """
 
 
-def killed_after(study: Study, dances_file: Path, size: int) -> bool:
-    """Run a visit in another process and kill it once its journal has some size; False if it was faster."""
-    journal = study.folder.journal("01", "01")
-    child = subprocess.Popen([sys.executable, "-c", CHILD, str(study.path), str(dances_file)])
-    try:
-        while child.poll() is None and (not journal.exists() or journal.stat().st_size < size):
-            time.sleep(0.001)
-    finally:
-        child.kill()
-        child.wait()
-    return child.returncode != 0
-
-
-@pytest.fixture
-def long_study(tmp_path: Path, small_protocol: StudyProtocol) -> Study:
-    """Long rests, so that a visit takes a moment even if simulated."""
-    values = small_protocol.model_dump(mode="json")
-    values["session"] |= {"rest_s": 900.0, "perform_repetitions": 5}
-    return open_study(tmp_path / "pilot", protocol=StudyProtocol.model_validate(values))
-
-
-def kill_and_resume(study: Study, tmp_path: Path, dances: dict[str, Any], sizes: list[int]) -> int:
-    dances_file = tmp_path / "dances.pickle"
+def kill_and_resume(
+    folder: Path, protocol: StudyProtocol, dances: dict[str, Any], *, at_writes: list[int]
+) -> None:
+    """Kill a visit in the middle of writing, more than once, then let it end and judge it."""
+    study = open_study(folder / "pilot", protocol=protocol)
+    dances_file = folder / "dances.pickle"
     dances_file.write_bytes(pickle.dumps({name: _Shown.of(dance) for name, dance in dances.items()}))
-    kills = 0
-    journal = study.folder.journal("01", "01")
-    for size in sizes:
-        if not killed_after(study, dances_file, size):
-            break
-        kills += 1
-        records = read_journal(journal)
-        assert records, "a killed visit leaves whole records"
+    before = b""
+    for write in at_writes:
+        child = [sys.executable, "-c", CHILD, str(study.path), str(dances_file), str(write)]
+        assert subprocess.run(child, check=False).returncode == -signal.SIGKILL
+        journal = study.folder.journal("01", "01").read_bytes()
+        assert journal.startswith(before)
+        before = journal[: journal.rfind(b"\n") + 1]
+        assert len(read_journal(study.folder.journal("01", "01"))) == before.count(b"\n")
     session = study.session("01")
     asyncio.run(session.run(dances))
+    assert session.path.read_bytes().startswith(before)
     check_whole(session)
     study.write_bids()
     assert_valid(study.path)
-    return kills
 
 
-def test_a_visit_killed_in_the_middle_is_resumed_and_valid(
-    tmp_path: Path, long_study: Study, small_dances: dict[str, Any]
+def test_a_visit_killed_while_it_writes_is_resumed_and_valid(
+    tmp_path: Path, small_protocol: StudyProtocol, small_dances: dict[str, Any]
 ) -> None:
-    assert kill_and_resume(long_study, tmp_path, small_dances, [60_000]) == 1
+    # the middle of a line, and the middle of a frame
+    kill_and_resume(tmp_path, small_protocol, small_dances, at_writes=[2, 100])
 
 
 @pytest.mark.slow
 def test_a_visit_killed_again_and_again_is_resumed_and_valid(
-    tmp_path: Path, long_study: Study, small_dances: dict[str, Any]
+    tmp_path: Path, small_protocol: StudyProtocol, small_dances: dict[str, Any]
 ) -> None:
-    sizes = [500, 2_000, 9_000, 40_000, 80_000, 120_000, 160_000]
-    assert kill_and_resume(long_study, tmp_path, small_dances, sizes) >= 4
+    for number, at_writes in enumerate(([1, 1, 3, 5, 40, 130], [20, 33, 34, 35, 36], [160, 90, 250])):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        kill_and_resume(folder, small_protocol, small_dances, at_writes=at_writes)
 
 
 # The official validator
