@@ -43,6 +43,7 @@ clean: ## remove what these commands made here; never recorded sessions or libra
 
 # A stamp says what is installed, so that a second call installs nothing.
 .venv/made.stamp:
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("studykit needs Python 3.11 or newer; name yours: make demo PYTHON=python3.12")'
 	$(PYTHON) -m venv .venv
 	@touch $@
 
