@@ -67,3 +67,51 @@ def small_dances(small_protocol: StudyProtocol) -> dict[str, SmallDance]:
         motion = Motion(skeleton=NEUTRAL_BODY, rotations=rotations, root_positions=root, frame_rate_hz=30.0)
         dances[condition] = SmallDance(condition=condition, motion=motion, sha256=f"{number:064x}")
     return dances
+
+
+@pytest.fixture(scope="session")
+def made_library() -> Callable[..., DanceLibrary]:
+    """Make up a library of a few segments, all in memory; numbers without meaning."""
+
+    def make(segments: int, *, seed: int = 0) -> DanceLibrary:
+        rng = np.random.default_rng(seed)
+        features = rng.normal(1.0, 0.3, size=(segments, 120, 97)).astype(np.float32)
+        turns = rng.normal(scale=0.3, size=(segments, 1, 24, 3)) + np.cumsum(
+            rng.normal(scale=0.01, size=(segments, 120, 24, 3)), axis=1
+        )
+        return DanceLibrary(
+            name="made-up",
+            segments=pd.DataFrame(
+                {
+                    "id": range(segments),
+                    "take": [f"take-{n // 2}" for n in range(segments)],
+                    "data_set": "made-up",
+                    "performer": "nobody",
+                    "genre": "none",
+                    "licence": "CC0-1.0",
+                    "start_s": [4.0 * (n % 2) for n in range(segments)],
+                    "is_synthetic": True,
+                }
+            ),
+            rotations=rotation.exp(turns),
+            root_positions=np.tile([0.0, 0.9, 0.0], (segments, 120, 1)),
+            features=features,
+            linear_energies=rng.gamma(2.0, 0.01, size=(segments, 24)),
+            rotational_energies=rng.gamma(2.0, 0.005, size=(segments, 24)),
+            first_poses=rng.normal(scale=0.2, size=(segments, 24, 3)),
+            last_poses=rng.normal(scale=0.2, size=(segments, 24, 3)),
+            scaler=FeatureScaler(
+                kinetic_medians=np.ones(72), means=np.full(97, 1.0), deviations=np.full(97, 0.3)
+            ),
+            calibration=Calibration(
+                chain_linear_energies=rng.gamma(50.0, 0.08, size=200),
+                chain_rotational_energies=rng.gamma(50.0, 0.04, size=200),
+                chain_varieties=rng.normal(140.0, 8.0, size=200),
+                chain_cosine_varieties=rng.normal(0.9, 0.05, size=200),
+                join_displacements=rng.gamma(20.0, 0.01, size=700),
+                median_distance=150.0,
+            ),
+            sha256="0" * 64,
+        )
+
+    return make

@@ -1,0 +1,93 @@
+"""Glitches are found, dancing and standing still are not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from studykit.motion import cleaning
+
+RATE = 30.0
+FRAMES = 300
+
+
+def swinging() -> np.ndarray:
+    """Give joints that swing 0.4 m, some faster than others, and stand still for the last third."""
+    times = np.minimum(np.arange(FRAMES), 200) / RATE
+    positions = np.zeros((FRAMES, 24, 3))
+    for joint in range(1, 24):
+        positions[:, joint, 0] = 0.4 * np.sin(2.0 * np.pi * (0.3 + 0.05 * joint) * times)
+    return positions
+
+
+def flagged_frames(positions, rule="robust") -> list[int]:
+    flags = cleaning.flagged(positions, RATE, rule)
+    return np.flatnonzero(np.any(list(flags.values()), axis=0)).tolist()
+
+
+def test_dancing_and_standing_still_are_clean() -> None:
+    assert flagged_frames(swinging()) == []
+
+
+@pytest.mark.parametrize("jump_m", [0.5, 2.0])
+def test_a_marker_that_jumps_for_one_frame_is_found(jump_m) -> None:
+    positions = swinging()
+    positions[100, 7] += [0.0, jump_m, 0.0]
+    flags = cleaning.flagged(positions, RATE, "robust")
+    # Into the jump and out of it: 15 m/s and more, 450 m/s2 and more.
+    assert np.flatnonzero(flags["speed"]).tolist() == [100, 101]
+    assert np.flatnonzero(flags["acceleration"]).tolist() == [99, 100, 101]
+
+
+def test_a_marker_that_jumps_and_stays_is_found() -> None:
+    positions = swinging()
+    positions[150:, 20] += [0.0, 0.0, 0.6]
+    assert flagged_frames(positions) == [149, 150]
+
+
+def test_the_limits_are_those_of_a_breakdancer() -> None:
+    positions = np.zeros((60, 24, 3))
+    positions[:, 3, 0] = np.arange(60) * 11.9 / RATE
+    assert not cleaning.flagged(positions, RATE, "robust")["speed"].any()
+    positions[:, 3, 0] = np.arange(60) * 12.1 / RATE
+    assert cleaning.flagged(positions, RATE, "robust")["speed"][1:].all()
+
+
+def test_the_paper_s_rule_by_its_definition() -> None:
+    rng = np.random.default_rng(2)
+    positions = np.cumsum(rng.standard_t(4, size=(FRAMES, 24, 3)) * 0.01, axis=0)
+    acceleration = np.zeros((FRAMES, 24))
+    for frame in range(1, FRAMES - 1):
+        for joint in range(24):
+            change = positions[frame + 1, joint] - 2 * positions[frame, joint] + positions[frame - 1, joint]
+            acceleration[frame, joint] = np.sqrt((change**2).sum()) * RATE**2
+    inner = acceleration[1:-1]
+    limit = inner.mean(axis=0) + 2.0 * inner.std(axis=0)
+    expected = [frame for frame in range(FRAMES) if (acceleration[frame] > limit).any()]
+    assert flagged_frames(positions, "paper") == expected
+    assert len(expected) > 0.3 * FRAMES  # why it is not the rule in use: nothing was wrong
+
+
+def test_the_paper_s_rule_spares_a_joint_that_never_moves() -> None:
+    positions = np.zeros((FRAMES, 24, 3)) + 1e-17 * np.random.default_rng(0).normal(size=(FRAMES, 24, 3))
+    assert flagged_frames(positions, "paper") == []
+
+
+@pytest.mark.parametrize("frames", [1, 2, 3])
+@pytest.mark.parametrize("rule", ["robust", "paper"])
+def test_takes_of_hardly_a_frame(frames, rule) -> None:
+    assert flagged_frames(np.zeros((frames, 24, 3)), rule) == []
+
+
+@pytest.mark.parametrize(
+    ("bad", "runs"),
+    [
+        ("", []),
+        ("....", [(0, 4)]),
+        ("xxx", []),
+        ("..x.", [(0, 2), (3, 4)]),
+        ("x..xx.x", [(1, 3), (5, 6)]),
+    ],
+)
+def test_clean_runs(bad, runs) -> None:
+    assert cleaning.clean_runs(np.array([mark == "x" for mark in bad], dtype=bool)) == runs
