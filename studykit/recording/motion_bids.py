@@ -62,8 +62,13 @@ def write_session(folder: StudyFolder, protocol: StudyProtocol, record: SessionR
         start_s = float(tracks.times_s[0])
         _write_events(motion / f"{recording}_events.tsv", [_event(step, zero_s=start_s)])
         scans.append(_scan(record, step, f"motion/{recording}_motion.tsv", start_s))
-    bids_file.write(motion.parent / f"{stem}_scans.tsv", table(metadata.SCAN_COLUMNS, scans))
     bids_file.write(motion.parent / f"{stem}_scans.json", description(metadata.SCANS))
+    bids_file.write(_scans(folder, record), table(metadata.SCAN_COLUMNS, scans))
+
+
+def is_written(folder: StudyFolder, record: SessionRecord) -> bool:
+    """Tell whether the files of a session have all been written, by the last of them."""
+    return _scans(folder, record).exists()
 
 
 def write_study(folder: StudyFolder, protocol: StudyProtocol, records: Sequence[SessionRecord]) -> None:
@@ -152,6 +157,11 @@ def _event(step: StepRecord, *, zero_s: float) -> tuple[object, ...]:
     duration_s = step.stop_s - step.start_s
     where = (step.condition, step.period, step.step, step.is_complete)
     return (step.start_s - zero_s, duration_s, step.phase, *where)
+
+
+def _scans(folder: StudyFolder, record: SessionRecord) -> Path:
+    stem = f"sub-{record.participant}_ses-{record.session}"
+    return folder.motion(record.participant, record.session).parent / f"{stem}_scans.tsv"
 
 
 def _scan(record: SessionRecord, step: StepRecord, filename: str, start_s: float) -> tuple[object, ...]:

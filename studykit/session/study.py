@@ -167,9 +167,10 @@ class Study:
         check_dances(dances, self.protocol)
         shown = {condition: _Shown.of(dances[condition]) for condition in self.protocol.conditions_list()}
         plant(self.folder.planted, effects=effects, seed=seed, people=cohort(len(self.participants), seed))
-        over = {
-            record.participant for record in self.sessions() if record.completed and record.session == "01"
-        }
+        over = {r.participant: r for r in self.sessions() if r.completed and r.session == "01"}
+        for record in over.values():
+            if not motion_bids.is_written(self.folder, record):  # the power went between visit and export
+                motion_bids.write_session(self.folder, self.protocol, record)
         visits = [
             _Visit(session=self.session(participant, effects=effects, seed=seed), dances=shown)
             for participant in self.participants

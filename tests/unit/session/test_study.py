@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import json
 from pathlib import Path
 from typing import Any
@@ -104,6 +105,16 @@ def test_a_study_is_simulated_only_as_it_was_begun(
     assert planted["seed"] == 5
     assert planted["effects"]["name"] == "none"
     assert planted["people"]["02"]["maximum_heart_rate_bpm"] > 100
+
+
+def test_a_study_that_broke_off_is_simulated_to_its_end(
+    tmp_path: Path, small_protocol: StudyProtocol, small_dances: dict[str, Any]
+) -> None:
+    whole, broken = (open_study(tmp_path / name, protocol=small_protocol) for name in ("whole", "broken"))
+    whole.simulate(small_dances)
+    asyncio.run(broken.session("01").run(small_dances))  # recorded, and not yet exported
+    broken.simulate(small_dances)
+    assert bytes_below(broken.path) == bytes_below(whole.path)
 
 
 def test_dances_must_be_those_of_the_protocol(
