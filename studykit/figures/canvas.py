@@ -1,0 +1,50 @@
+"""The sheet on which every figure is drawn: it prints the same on any machine."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from studykit.figures import style
+
+_UNDATED: dict[str, dict[str, None]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
+
+class PaperFigure(Figure):
+    """A matplotlib figure sized in millimetres that takes studykit's style with it.
+
+    It belongs to no window and to no global state of matplotlib; a notebook shows it as the last value of
+    a cell. Saved files carry their fonts and no date, so equal data give equal bytes.
+    """
+
+    def __init__(self, *, width_mm: float, height_mm: float) -> None:
+        size = (width_mm / style.MM_PER_INCH, height_mm / style.MM_PER_INCH)
+        super().__init__(figsize=size, layout="constrained")
+        FigureCanvasAgg(self)
+
+    def savefig(self, fname: Any, **options: Any) -> None:
+        """Write the figure in the style's fonts and without a date; the arguments are matplotlib's."""
+        ending = options.get("format") or Path(str(fname)).suffix.lstrip(".")
+        metadata = _UNDATED.get(ending, {}) | options.pop("metadata", {})
+        with mpl.rc_context(style.RC):
+            super().savefig(fname, metadata=metadata or None, **options)
+
+    def file_bytes(self, file_format: str) -> bytes:
+        """Give the figure as the content of a file.
+
+        Parameters
+        ----------
+        file_format : str
+            "svg", "pdf" or "png".
+        """
+        buffer = io.BytesIO()
+        self.savefig(buffer, format=file_format)
+        return buffer.getvalue()
+
+    def _repr_png_(self) -> bytes:
+        return self.file_bytes("png")
