@@ -7,9 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from studykit.choreography.dance_library import Calibration, DanceLibrary
 from studykit.io.protocol_file import read_protocol
+from studykit.motion import rotation
+from studykit.motion.features import FeatureScaler
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
 from studykit.protocol.study_protocol import StudyProtocol

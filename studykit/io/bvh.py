@@ -158,7 +158,7 @@ def _set_offset(joints: list[_Joint], joint: int | None, numbers: list[str], pla
         offset = tuple(float(number) for number in numbers)
     except ValueError:
         offset = ()
-    if len(offset) != 3:
+    if len(offset) != 3 or not np.all(np.isfinite(offset)):
         raise InputError("an OFFSET needs three numbers", where=place, remedy=_AGAIN)
     if joint is not None:
         joints[joint].offset = offset

@@ -108,7 +108,7 @@ def test_spreading_places_alone_would_be_noticed() -> None:
 
 
 def join_mismatch(rotations: np.ndarray, refined: int) -> tuple[float, float]:
-    """Give the mismatch of places (rad) and speeds (rad/s, in the parent's frame) at the middle, over joints."""
+    """Give the mismatch of places (rad) and speeds (rad/s, seen from the parent), mean over joints."""
     half = len(rotations) // 2
     before, after = rotations[half - 2 : half], rotations[half : half + 2]
     turns = rotation.between(*before), rotation.between(*after)

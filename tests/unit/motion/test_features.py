@@ -49,7 +49,7 @@ def test_kinetic_values_follow_their_definition_to_the_very_ends(frames) -> None
 
 def test_the_public_copies_mistake_would_be_noticed() -> None:
     # They forget to divide the second position by the frame time: what they call effort is a distance.
-    far, near = moving() + [10.0, 0.0, 0.0], moving()
+    far, near = moving() + np.array([10.0, 0.0, 0.0]), moving()
     effort = slice(2, None, 3)
     assert features.kinetic(far, RATE)[:, effort] == pytest.approx(
         features.kinetic(near, RATE)[:, effort], rel=1e-6
@@ -72,7 +72,7 @@ def test_it_does_not_matter_where_the_dancer_stands_or_looks(angle_rad) -> None:
     assert features.pose_features(turned, RATE) == pytest.approx(
         features.pose_features(positions, RATE), rel=1e-9, abs=1e-11
     )
-    moved = turned + [3.0, 0.4, -8.0]
+    moved = turned + np.array([3.0, 0.4, -8.0])
     assert features.pose_features(moved, RATE) == pytest.approx(
         features.pose_features(positions, RATE), rel=1e-6, abs=1e-9
     )

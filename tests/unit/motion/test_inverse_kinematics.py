@@ -22,7 +22,7 @@ def possible_poses(count: int) -> np.ndarray:
 @pytest.mark.parametrize("skeleton", [NEUTRAL_BODY, AIST_BODY])
 def test_every_joint_is_put_back(skeleton) -> None:
     positions = kinematics.centred_positions(skeleton, possible_poses(200))
-    found = rotations_from_positions(positions + [3.0, 1.0, -2.0], skeleton)
+    found = rotations_from_positions(positions + np.array([3.0, 1.0, -2.0]), skeleton)
     assert np.abs(kinematics.centred_positions(skeleton, found) - positions).max() < 1e-6
 
 

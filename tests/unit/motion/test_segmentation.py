@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ def dancing(frames: int = 400) -> Motion:
     turns = np.cumsum(rng.normal(scale=0.02, size=(frames, 24, 3)), axis=0)
     rotations = rotation.exp(turns)
     rotations[:, 0] = rotation.yaw(2.0 + 0.01 * np.arange(frames))
-    roots = np.cumsum(rng.normal(scale=0.01, size=(frames, 3)), axis=0) + [5.0, 1.3, -7.0]
+    roots = np.cumsum(rng.normal(scale=0.01, size=(frames, 3)), axis=0) + np.array([5.0, 1.3, -7.0])
     return Motion(skeleton=NEUTRAL_BODY, rotations=rotations, root_positions=roots, frame_rate_hz=30.0)
 
 
@@ -39,7 +41,7 @@ def test_segments_never_overlap_nor_leave_their_run() -> None:
         edges = np.sort(rng.choice(3000, size=10, replace=False)).tolist()
         runs = list(zip(edges[::2], edges[1::2], strict=True))
         starts = segmentation.segment_starts(runs)
-        assert all(b - a >= 120 for a, b in zip(starts, starts[1:], strict=False))
+        assert all(b - a >= 120 for a, b in pairwise(starts))
         assert all(any(a <= s and s + 120 <= b for a, b in runs) for s in starts)
         assert len(starts) == sum((b - a) // 120 for a, b in runs)
 

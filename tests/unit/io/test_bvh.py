@@ -1,0 +1,253 @@
+"""BVH files with all the habits of other programs are read, and broken ones are named to the line."""
+
+from __future__ import annotations
+
+import lzma
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studykit.core.errors import InputError
+from studykit.io.bvh import BvhTake, bvh_text, read_bvh
+from studykit.io.skeleton_map import to_smpl
+from studykit.motion import kinematics, rotation
+from studykit.motion.motion import Motion
+from studykit.motion.skeleton import NEUTRAL_BODY, Skeleton
+
+# Tabs and spaces, a tab after "Frames:", a frame time without its zero, another order of channels in every
+# joint, six channels in one of them.
+ODD = """HIERARCHY
+ROOT Hips
+{
+\tOFFSET 0 0\t0
+\tCHANNELS 6 Zposition Xposition Yposition  Yrotation Zrotation Xrotation
+\tJOINT  Left Leg
+\t{
+\t\tOFFSET 10.0 -40.0 0.0
+\t\tCHANNELS 3 Xrotation Yrotation Zrotation
+\t\tJOINT LeftFoot
+\t\t{
+\t\t\tOFFSET 0 -4.0e1 0
+\t\t\tCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+\t\t\tEnd Site
+\t\t\t{
+\t\t\t\tOFFSET 0 0 15
+\t\t\t}
+\t\t}
+\t}
+\tJOINT Head
+\t{
+\t\tOFFSET 0 60 0
+\t\tCHANNELS 2 Yrotation Xrotation
+\t}
+}
+MOTION
+Frames:\t2
+Frame Time: .0083333
+ 3 1 2   90 0 0   0 0 0   0 0 0  0 0 0   0 0
+-3.0 1.0e0 2\t0 0 90 \t 90 90 0 0 0 0 90 90 90 90 90\x20
+
+"""
+
+
+def read(folder: Path, text: str, name: str = "take.bvh") -> BvhTake:
+    (folder / name).write_text(text, encoding="utf-8")
+    return read_bvh(folder / name)
+
+
+def positions(take: BvhTake) -> np.ndarray:
+    """Give where the joints of a take are, in the file's unit."""
+    skeleton = Skeleton(
+        joint_names=take.joint_names,
+        parents=take.parents,
+        offsets=take.offsets,
+        mirror=tuple(range(len(take.parents))),
+    )
+    return kinematics.joint_positions(
+        Motion(
+            skeleton=skeleton,
+            rotations=take.rotations,
+            root_positions=take.root_positions,
+            frame_rate_hz=take.frame_rate_hz,
+        )
+    )
+
+
+def turn(axis: str) -> np.ndarray:
+    """Give a quarter turn about an axis, as a matrix written down by hand."""
+    return np.array(
+        {
+            "X": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+            "Y": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+            "Z": [[0, -1, 0], [1, 0, 0], [0, 0, 1]],
+        }[axis],
+        dtype=float,
+    )
+
+
+def test_every_joint_has_its_own_order_of_channels(tmp_path) -> None:
+    take = read(tmp_path, ODD)
+    assert take.joint_names == ("Hips", "Left Leg", "LeftFoot", "Head")
+    assert take.parents == (-1, 0, 1, 0)
+    assert take.frame_rate_hz == pytest.approx(120.0, rel=1e-4)
+    assert take.root_positions == pytest.approx(np.array([[1.0, 2.0, 3.0], [1.0, 2.0, -3.0]]))
+    matrices = rotation.to_matrix(take.rotations)
+    assert matrices[0, 0] == pytest.approx(turn("Y"))
+    assert matrices[1, 0] == pytest.approx(turn("X"))
+    assert matrices[1, 1] == pytest.approx(turn("X") @ turn("Y"))
+    assert matrices[1, 2] == pytest.approx(turn("Z") @ turn("X") @ turn("Y"))
+    assert matrices[1, 3] == pytest.approx(turn("Y") @ turn("X"))
+    # The first frame: everything turned from +Z to +X with the hips.
+    assert positions(take)[0] == pytest.approx(
+        np.array([[1, 2, 3], [1, -38, -7], [1, -78, -7], [1, 62, 3]], dtype=float)
+    )
+
+
+def test_channels_read_in_one_fixed_order_would_be_noticed(tmp_path) -> None:
+    matrix = rotation.to_matrix(read(tmp_path, ODD).rotations)[1, 3]
+    assert np.abs(matrix - turn("X") @ turn("Y")).max() > 0.5
+    assert np.abs(matrix - matrix.T).max() > 0.5  # nor may it be transposed
+
+
+LEGS = """HIERARCHY
+ROOT Hips
+{
+OFFSET 0.0 90.0 0.0
+CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+JOINT LeftKnee
+{
+OFFSET 10 -40 0
+CHANNELS 3 Zrotation Xrotation Yrotation
+JOINT LeftAnkle
+{
+OFFSET 0 -40 0
+CHANNELS 3 Zrotation Xrotation Yrotation
+End Site
+{
+OFFSET 0 0 12
+}
+}
+}
+JOINT RightKnee
+{
+OFFSET -10 -40 0
+CHANNELS 3 Zrotation Xrotation Yrotation
+JOINT RightAnkle
+{
+OFFSET 0 -40 0
+CHANNELS 3 Zrotation Xrotation Yrotation
+End Site
+{
+OFFSET 0 0 12
+}
+}
+}
+}
+MOTION
+Frames: 1
+Frame Time: 0.0333333
+0 0 0 0 0 0  0 90 0  0 0 0  0 0 0  0 0 0
+"""
+
+
+def test_a_knee_bent_by_90_degrees_ends_behind_and_left_is_left(tmp_path) -> None:
+    take = read(tmp_path, LEGS)
+    at = dict(zip(take.joint_names, positions(take)[0], strict=True))
+    assert at["LeftKnee"] == pytest.approx([10.0, 50.0, 0.0])
+    assert at["LeftAnkle"] == pytest.approx([10.0, 50.0, -40.0])  # the person looks to +Z
+    assert at["RightAnkle"] == pytest.approx([-10.0, 10.0, 0.0])
+
+
+def a_dance() -> Motion:
+    rng = np.random.default_rng(5)
+    return Motion(
+        skeleton=NEUTRAL_BODY,
+        rotations=rotation.exp(rng.normal(scale=0.9, size=(40, 24, 3))),
+        root_positions=rng.normal(size=(40, 3)),
+        frame_rate_hz=30.0,
+    )
+
+
+@pytest.mark.parametrize("packed", ["", ".xz"])
+def test_what_is_written_is_read_again(tmp_path, packed) -> None:
+    dance, path = a_dance(), tmp_path / f"dance.bvh{packed}"
+    text = bvh_text(dance).encode()
+    path.write_bytes(lzma.compress(text) if packed else text)
+    again = to_smpl(read_bvh(path), "smpl", units_m=0.01)
+    assert again.frame_rate_hz == pytest.approx(30.0, rel=1e-6)
+    difference = kinematics.joint_positions(again) - kinematics.joint_positions(dance)
+    assert np.abs(difference).max() < 1e-3
+
+
+def test_gimbal_lock_is_written_and_read_again(tmp_path) -> None:
+    rotations = rotation.identity(3, 24)
+    rotations[:, 0] = rotation.from_euler(
+        "ZXY", np.radians([[30.0, 90.0, 20.0], [10.0, -90.0, 5.0], [0, 88, 0]])
+    )
+    dance = Motion(
+        skeleton=NEUTRAL_BODY, rotations=rotations, root_positions=np.zeros((3, 3)), frame_rate_hz=30.0
+    )
+    again = read(tmp_path, bvh_text(dance))
+    smpl = to_smpl(again, "smpl", units_m=0.01)
+    assert rotation.between(smpl.rotations, rotations) == pytest.approx(np.zeros((3, 24, 3)), abs=1e-5)
+
+
+ROW = "0 0 0 0 0 0  0 90 0  0 0 0  0 0 0  0 0 0"
+BROKEN = {
+    "empty": ("", r"take\.bvh: the file is empty; "),
+    "blank": ("\n \n", r"take\.bvh: the file is empty; "),
+    "no motion": (
+        LEGS.split("MOTION", maxsplit=1)[0],
+        r"take\.bvh, line 34: the file ends before its motion; ",
+    ),
+    "cut in the skeleton": (LEGS[:100], r"take\.bvh, line \d+: "),
+    "cut in the head": (LEGS.split("Frame Time", maxsplit=1)[0], r"take\.bvh, line 36: no number of frames"),
+    "cut in a frame": (LEGS[:-20], r"take\.bvh, line 38: not 18 finite numbers; "),
+    "frames missing": (
+        LEGS.replace("Frames: 1", "Frames: 3"),
+        r"take\.bvh, line 36: 3 frames promised, 1 found; ",
+    ),
+    "frames too many": (LEGS + ROW + "\n", r"take\.bvh, line 36: 1 frames promised, 2 found; "),
+    "no frames": (LEGS.replace("Frames: 1", "Frames: 0").replace(ROW, ""), r"take\.bvh, line 36: no frames"),
+    "no time": (LEGS.replace("0.0333333", "0"), r"take\.bvh, line 36: no frames, or no frame time"),
+    "endless time": (LEGS.replace("0.0333333", "inf"), r"take\.bvh, line 36: no frames, or no frame time"),
+    "not a number": (LEGS.replace(" 90 ", " nan "), r"take\.bvh, line 38: not 18 finite numbers; "),
+    "infinite": (LEGS.replace(" 90 ", " 1e999 "), r"take\.bvh, line 38: not 18 finite numbers; "),
+    "a word": (LEGS.replace(" 90 ", " ninety "), r"take\.bvh, line 38: not 18 finite numbers; "),
+    "a number missing": (LEGS.replace(" 90 ", " "), r"take\.bvh, line 38: not 18 finite numbers; "),
+    "a channel missing": (
+        LEGS.replace("CHANNELS 3", "CHANNELS 4", 1),
+        r"take\.bvh, line 9: 4 channels promised, 3 named; ",
+    ),
+    "an unknown channel": (
+        LEGS.replace("3 Zrotation", "3 Wrotation", 1),
+        r"take\.bvh, line 9: channels Wrotation Xrotation Yrotation, not all known; ",
+    ),
+    "a channel twice": (LEGS.replace("3 Zrotation", "3 Yrotation", 1), r"take\.bvh, line 9: channels "),
+    "an offset missing": (
+        LEGS.replace("OFFSET 10 -40 0", "OFFSET 10 -40"),
+        r"take\.bvh, line 8: an OFFSET needs",
+    ),
+    "an endless offset": (LEGS.replace("10 -40 0", "10 inf 0"), r"take\.bvh, line 8: an OFFSET needs"),
+    "junk": ("<html>not here</html>\n", r"take\.bvh, line 1: not BVH: '<html>not here</html>'; "),
+    "junk inside": (LEGS.replace("JOINT RightKnee", "BONE RightKnee"), r"take\.bvh, line 20: not BVH: 'BONE"),
+    "a joint in an end site": (
+        LEGS.replace("OFFSET 0 0 12\n}", "OFFSET 0 0 12\nJOINT Toe\n}", 1),
+        r"take\.bvh, line 17: a joint inside an end site; ",
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", BROKEN)
+def test_a_broken_file_is_named_to_the_line(tmp_path, mistake) -> None:
+    text, message = BROKEN[mistake]
+    with pytest.raises(InputError, match=message + r".*export the take again\.$") as caught:
+        read(tmp_path, text)
+    assert "\n" not in str(caught.value)
+
+
+def test_bytes_that_are_no_text_at_all(tmp_path) -> None:
+    (tmp_path / "take.bvh").write_bytes(bytes(range(128, 256)) * 4)
+    with pytest.raises(InputError, match=r"take\.bvh, line 1: not BVH"):
+        read_bvh(tmp_path / "take.bvh")

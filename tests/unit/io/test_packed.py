@@ -1,0 +1,54 @@
+"""Text files are read plain and packed, and broken ones are named."""
+
+from __future__ import annotations
+
+import gzip
+import lzma
+
+import pytest
+
+from studykit.core.errors import InputError
+from studykit.io.packed import read_text
+
+TEXT = "HIERARCHY\nROOT Hüfte\n"
+PACKED = {
+    "a.bvh": TEXT.encode(),
+    "a.bvh.xz": lzma.compress(TEXT.encode()),
+    "a.bvh.gz": gzip.compress(TEXT.encode()),
+}
+
+
+@pytest.mark.parametrize("name", PACKED)
+def test_the_text_is_the_same_however_it_is_packed(tmp_path, name) -> None:
+    (tmp_path / name).write_bytes(PACKED[name])
+    assert read_text(tmp_path / name) == TEXT
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1"])
+def test_text_of_other_programs(tmp_path, encoding) -> None:
+    (tmp_path / "a.bvh").write_bytes(TEXT.encode(encoding))
+    assert read_text(tmp_path / "a.bvh") == TEXT
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("cut.bvh.xz", PACKED["a.bvh.xz"][:-9]),
+        ("empty.bvh.xz", b""),
+        ("plain.bvh.xz", TEXT.encode()),
+        ("cut.bvh.gz", PACKED["a.bvh.gz"][:-9]),
+        ("flipped.bvh.gz", PACKED["a.bvh.gz"][:12] + b"\xff\xff\xff" + PACKED["a.bvh.gz"][15:]),
+        ("plain.bvh.gz", TEXT.encode()),
+    ],
+)
+def test_a_broken_packing_is_named(tmp_path, name, data) -> None:
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=rf"{name}: broken \.\w\w file .*; copy it again\.$"):
+        read_text(tmp_path / name)
+
+
+def test_a_missing_file_is_named(tmp_path) -> None:
+    with pytest.raises(InputError, match=r"none\.bvh: cannot be read .*; check the path"):
+        read_text(tmp_path / "none.bvh")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_text(tmp_path)
