@@ -1,0 +1,115 @@
+"""Measuring one trial: one condition danced once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from studykit.analysis import heart_rate
+from studykit.analysis.dynamic_time_warping import COMMON_WEIGHTS, Alignment, align, common_space, resampled
+from studykit.choreography.dance import Dance
+from studykit.core.arrays import Floats
+from studykit.motion import energy, kinematics
+from studykit.motion.filtering import low_pass, without_gaps
+from studykit.motion.inverse_kinematics import rotations_from_positions
+from studykit.motion.motion import JointTracks
+from studykit.protocol.study_protocol import StudyProtocol
+from studykit.recording.session_record import SessionRecord, StepRecord
+
+CUTOFF_HZ = 6.0
+"""Faster than this a camera trembles rather than a person dances (Winter 2009)."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class HeartMeasures:
+    """The heart in a trial; NaN where the belt said too little."""
+
+    mean_bpm: float
+    peak_bpm: float
+    vigorous_fraction: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class MovementMeasures:
+    """The movement in a trial: how far from the guide, and how much energy it had, J per kg."""
+
+    alignment: Alignment
+    linear_energy: float
+    rotational_energy: float
+
+
+def heart_measures(
+    record: SessionRecord, step: StepRecord, protocol: StudyProtocol, *, age: float | None
+) -> HeartMeasures:
+    """Measure the heart in the protocol's window around a step.
+
+    Parameters
+    ----------
+    record : SessionRecord
+        The visit.
+    step : StepRecord
+        The step in which the dance was performed.
+    protocol : StudyProtocol
+        Gives the window, the maximum's formula, the vigorous threshold and the longest gap.
+    age : float or None
+        Years; without it nothing can be vigorous.
+    """
+    plan = protocol.heart_rate
+    times, bpm = record.heart_rate_times_s, record.heart_rate_bpm
+    start, stop = step.start_s, step.stop_s + (30.0 if plan.window == "perform+30" else 0.0)
+    fraction = np.nan
+    if age is not None:
+        threshold = plan.vigorous_fraction * heart_rate.maximum(age, plan.maximum)
+        zone = heart_rate.seconds_at_or_above(
+            times, bpm, threshold, plan.longest_gap_s, start_s=start, stop_s=stop
+        )
+        fraction = zone.fraction
+    return HeartMeasures(
+        mean_bpm=heart_rate.mean_bpm(times, bpm, start, stop, plan.longest_gap_s),
+        peak_bpm=heart_rate.peak_bpm(times, bpm, start, stop, plan.longest_gap_s),
+        vigorous_fraction=fraction,
+    )
+
+
+def movement_measures(
+    tracks: JointTracks, start_s: float, dance: Dance, protocol: StudyProtocol
+) -> MovementMeasures:
+    """Compare what a camera saw with the dance that was shown.
+
+    Parameters
+    ----------
+    tracks : JointTracks
+        What the camera saw, on the session's clock.
+    start_s : float
+        When the dance began, s.
+    dance : Dance
+        What was shown.
+    protocol : StudyProtocol
+        Gives how early or late a dancer may be.
+    """
+    rate = dance.motion.frame_rate_hz
+    grid = start_s + np.arange(len(dance.motion)) / rate
+    seen = resampled(tracks, grid, longest_gap_s=protocol.movement.band_s)
+    guide = kinematics.joint_positions(dance.motion)
+    alignment = align(
+        common_space(guide, dance.motion.skeleton.joint_names, frame_rate_hz=rate),
+        common_space(seen, tracks.joint_names, frame_rate_hz=rate),
+        round(protocol.movement.band_s * rate),
+        COMMON_WEIGHTS,
+        frame_rate_hz=rate,
+    )
+    linear, rotational = _energies(without_gaps(tracks.times_s, tracks.positions, grid), rate)
+    return MovementMeasures(alignment=alignment, linear_energy=linear, rotational_energy=rotational)
+
+
+def _energies(positions: Floats, rate: float) -> tuple[float, float]:
+    """Energies of a seen movement, without the camera's trembling; NaN where a joint was never seen."""
+    if not np.all(np.isfinite(positions)):
+        return np.nan, np.nan
+    smooth = low_pass(positions, CUTOFF_HZ, rate)
+    centred = smooth - smooth[:, :1]
+    return (
+        float(energy.linear_energy(centred, rate).sum()),
+        float(energy.rotational_energy(rotations_from_positions(smooth), rate).sum()),
+    )
