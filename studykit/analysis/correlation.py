@@ -150,7 +150,7 @@ def _residual(values: Floats, means: Floats | float, name: str) -> Floats:
 def _correlation(
     r: float, *, n: int, degrees_of_freedom: int, confidence: float, participants: int | None
 ) -> Correlation:
-    from scipy.stats import norm, t  # noqa: PLC0415 - heavy
+    from scipy.stats import norm, t
 
     r = min(1.0, max(-1.0, r))
     if degrees_of_freedom < 1:

@@ -86,7 +86,7 @@ class Wilcoxon:
 
 
 def _ranks(table: Floats) -> Floats:
-    from scipy.stats import rankdata  # noqa: PLC0415 - heavy
+    from scipy.stats import rankdata
 
     return np.asarray(rankdata(table, axis=1), dtype=np.float64)
 
@@ -129,7 +129,7 @@ def friedman(table: Floats) -> Friedman:
     >>> round(result.chi_squared, 3), round(result.p, 4), round(result.kendalls_w, 3)
     (10.571, 0.0051, 0.755)
     """
-    from scipy.stats import friedmanchisquare  # noqa: PLC0415 - heavy
+    from scipy.stats import friedmanchisquare
 
     values = np.asarray(table, dtype=np.float64)
     if values.ndim != 2 or values.shape[0] < 2 or values.shape[1] < 3:
@@ -183,7 +183,7 @@ def kendalls_w_interval(
 
 def _signed_ranks(differences: Floats, zeros: Zeros) -> tuple[Floats, Floats]:
     """Give the ranks of the positive and of the negative differences."""
-    from scipy.stats import rankdata  # noqa: PLC0415 - heavy
+    from scipy.stats import rankdata
 
     kept = differences[differences != 0.0] if zeros == "drop" else differences
     ranks = np.asarray(rankdata(np.abs(kept)), dtype=np.float64)
@@ -209,7 +209,7 @@ def _exact_p(ranks: Floats, w_plus: float, alternative: Alternative) -> float:
 
 
 def _normal(differences: Floats, zeros: Zeros, **options: Any) -> Any:
-    from scipy import stats  # noqa: PLC0415 - heavy
+    from scipy import stats
 
     test: Any = stats.wilcoxon  # its stubs know no method="asymptotic" without further arguments
     return test(
@@ -302,7 +302,7 @@ def rank_biserial_interval(
     Fisher's z with the deviation sqrt(n (n + 1)(2n + 1) / 6) / (n (n + 1) / 2) of the signed-rank sum, as the
     R package effectsize does.
     """
-    from scipy.stats import norm  # noqa: PLC0415 - heavy
+    from scipy.stats import norm
 
     if not n_nonzero or abs(rank_biserial) >= 1.0:
         return None
@@ -314,7 +314,7 @@ def rank_biserial_interval(
 
 
 def _adjusted(p: Sequence[float] | Floats, method: str) -> Floats:
-    import pingouin  # noqa: PLC0415 - heavy
+    import pingouin
 
     values = np.asarray(p, dtype=np.float64)
     if not values.size:

@@ -176,12 +176,55 @@ class Results:
         """Give a correlation by the name that the plan gives it."""
         return {result.plan.name: result for result in self.correlations}[name]
 
+    def __str__(self) -> str:
+        """Give every result in a line, pairs below their test, as a person reads it."""
+        return "\n".join(
+            [line for test in self.tests for line in _test_lines(test)]
+            + [line for correlation in self.correlations for line in _correlation_lines(correlation)]
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """Give everything as plain values, ready for JSON: the same, byte for byte, for the same trials.
 
         The fields of a plan stand beside its results, and those of a pair's test beside the pair's own.
         """
         return dict(_plain(self))
+
+
+def p_text(p: float) -> str:
+    """Write a p value as journals do.
+
+    Examples
+    --------
+    >>> p_text(0.0312), p_text(1e-9)
+    ('p = .031', 'p < .001')
+    """
+    return "p < .001" if p < 0.001 else f"p = {p:.3f}".replace("0.", ".", 1)
+
+
+def _test_lines(result: TestResult) -> list[str]:
+    head = f"{result.plan.name} ({result.plan.outcome})"
+    friedman = result.friedman
+    if friedman is None:
+        return [f"{head}: not computed because {result.not_computed_because}"]
+    test = (
+        f"{head}: Friedman chi2({friedman.degrees_of_freedom}) = {friedman.chi_squared:.2f}, "
+        f"{p_text(friedman.p)}, W = {friedman.kendalls_w:.2f}, n = {friedman.n}"
+    )
+    pairs = (
+        f"    {pair.a} - {pair.b}: median {pair.median_difference:+.3g}, "
+        f"{p_text(pair.p_corrected)} ({result.plan.correction}), r = {pair.test.rank_biserial:+.2f}"
+        for pair in result.pairs
+    )
+    return [test, *pairs]
+
+
+def _correlation_lines(result: CorrelationResult) -> list[str]:
+    head = f"{result.plan.name} ({' + '.join(result.plan.x)} with {result.plan.y})"
+    found = result.declared
+    if found is None:
+        return [f"{head}: not computed because {result.not_computed_because}"]
+    return [f"{head}: {found.method}: r = {found.r:.2f}, {p_text(found.p)}, {found.n} trials"]
 
 
 def _plain(value: Any) -> Any:

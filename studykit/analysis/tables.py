@@ -243,7 +243,7 @@ def _check_values(values: pd.Series[Any], column: Column, table: str) -> None:
 
 
 def _is_of_kind(values: pd.Series[Any], kind: Kind) -> pd.Series[bool]:
-    from pandas.api import types  # noqa: PLC0415 - heavy
+    from pandas.api import types
 
     if kind == "text":
         return values.map(lambda value: isinstance(value, str)).astype(bool)

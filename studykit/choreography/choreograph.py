@@ -63,7 +63,7 @@ def dance(goal: Goal, library: DanceLibrary, *, seed: int = 0) -> Dance:
         raise InputError(
             f"{len(library)} segments hold no dance of {goal.duration_s:g} s for {goal.condition} ({off})",
             where=library.name,
-            remedy="add takes, or ask for less extreme intensity or variety in [dance]",
+            remedy="add takes, or ask for a longer or less extreme dance in [dance]",
         )
     return _dance(goal, library, repertoire, best, seed)
 

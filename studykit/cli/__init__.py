@@ -7,11 +7,11 @@ import sys
 
 def main(arguments: list[str] | None = None) -> None:
     """Run one command; a wrong call or a wrong file ends with one sentence and exit code 2."""
-    import typer  # noqa: PLC0415 - so that `import studykit.cli` costs nothing
-    from typer.main import get_command  # noqa: PLC0415
+    import typer
+    from typer.main import get_command
 
-    from studykit.cli.app import app  # noqa: PLC0415
-    from studykit.core.errors import InputError  # noqa: PLC0415
+    from studykit.cli.app import app
+    from studykit.core.errors import InputError
 
     # Typer does not say the name of the error that its parser raises; it is what its own one derives from.
     usage_error = typer.BadParameter.__mro__[1]
@@ -30,5 +30,5 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _end(sentence: str, code: int) -> None:
-    print(sentence, file=sys.stderr)  # noqa: T201
+    print(sentence, file=sys.stderr)
     raise SystemExit(code)

@@ -15,7 +15,7 @@ Study = Annotated[Path, typer.Argument(help="Folder of a study, such as sessions
 
 def analyse(study: Study, *, json: AsJson = False) -> None:
     """Make the table of trials and every test that the protocol declares."""
-    from studykit import reports  # noqa: PLC0415
+    from studykit import reports
 
     results = reports.analyse(study)
     if json:
@@ -31,7 +31,7 @@ def figures(
     ] = None,
 ) -> None:
     """Draw the figures of the paper from a study."""
-    from studykit import reports  # noqa: PLC0415
+    from studykit import reports
 
     for path in reports.draw(study, only=only):
         show.say(str(path))
@@ -39,6 +39,6 @@ def figures(
 
 def report(study: Study) -> None:
     """Write one report with every number, figure and method."""
-    from studykit import reports  # noqa: PLC0415
+    from studykit import reports
 
     show.say(str(reports.report(study)))

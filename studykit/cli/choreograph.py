@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Library = Annotated[Path, typer.Option("--library", help="The dance library that segments come from.")]
 
 
-def choreograph(  # noqa: PLR0913, PLR0917
+def choreograph(
     library: Library,
     out: Annotated[Path, typer.Option("--out", help="Folder for the dances: .npz, .bvh and .json each.")],
     protocol: Annotated[
@@ -41,13 +41,13 @@ def choreograph(  # noqa: PLR0913, PLR0917
     With --protocol: one for each of its conditions. Without: a single dance of --intensity and --variety with
     smooth transitions.
     """
-    from studykit.choreography import choreograph as all_dances  # noqa: PLC0415
-    from studykit.choreography.choreograph import dance  # noqa: PLC0415
-    from studykit.choreography.goal import goal  # noqa: PLC0415
-    from studykit.io.protocol_file import default_protocol, read_protocol  # noqa: PLC0415
-    from studykit.library import open_library  # noqa: PLC0415
-    from studykit.library.dance_file import write_dances  # noqa: PLC0415
-    from studykit.protocol.condition import Condition  # noqa: PLC0415
+    from studykit.choreography import choreograph as all_dances
+    from studykit.choreography.choreograph import dance
+    from studykit.choreography.goal import goal
+    from studykit.io.protocol_file import default_protocol, read_protocol
+    from studykit.library import open_library
+    from studykit.library.dance_file import write_dances
+    from studykit.protocol.condition import Condition
 
     read = read_protocol(protocol or default_protocol())
     plan = _changed(read.dance, duration, preset)
@@ -66,7 +66,7 @@ def choreograph(  # noqa: PLR0913, PLR0917
 
 
 def _changed(plan: DancePlan, duration: float | None, preset: str | None) -> DancePlan:
-    from studykit.choreography.preset import PRESETS  # noqa: PLC0415
+    from studykit.choreography.preset import PRESETS
 
     if preset is not None and preset not in PRESETS:
         raise InputError(

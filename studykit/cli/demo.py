@@ -40,12 +40,12 @@ def demo(
     json: AsJson = False,
 ) -> None:
     """Run a whole study with simulated people: library, dances, sessions, statistics, figures, report."""
-    from studykit import reports  # noqa: PLC0415
-    from studykit.choreography import choreograph  # noqa: PLC0415
-    from studykit.library import make_sample, open_library  # noqa: PLC0415
-    from studykit.library.dance_file import write_dances  # noqa: PLC0415
-    from studykit.protocol.latin_square import assignment, balance  # noqa: PLC0415
-    from studykit.session import open_study  # noqa: PLC0415
+    from studykit import reports
+    from studykit.choreography import choreograph
+    from studykit.library import make_sample, open_library
+    from studykit.library.dance_file import write_dances
+    from studykit.protocol.latin_square import assignment, balance
+    from studykit.session import open_study
 
     planted = _effects(effects)
     study = open_study(out, protocol=_protocol(protocol, participants))
@@ -87,14 +87,14 @@ def demo(
 
 def _protocol(given: Path | None, participants: int | None) -> StudyProtocol | Path:
     """Give the protocol to rehearse, its file if nothing is changed in it."""
-    from studykit.io.protocol_file import default_protocol, read_protocol  # noqa: PLC0415
+    from studykit.io.protocol_file import default_protocol, read_protocol
 
     path = given or default_protocol()
     return path if participants is None else read_protocol(path).with_participants(participants)
 
 
 def _effects(name: str) -> Effects:
-    from studykit.io.toml_file import read_model  # noqa: PLC0415
-    from studykit.participant.effects import NONE, PAPER, Effects  # noqa: PLC0415
+    from studykit.io.toml_file import read_model
+    from studykit.participant.effects import NONE, PAPER, Effects
 
     return {"paper": PAPER, "none": NONE}.get(name) or read_model(Path(name), Effects)

@@ -23,7 +23,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print for a machine.")]
 
 
 @app.command()
-def build(  # noqa: PLR0913, PLR0917
+def build(
     source: Annotated[Path, typer.Argument(help="Folder of takes (.bvh, plain or packed as .xz or .gz).")],
     out: Out,
     skeleton: Annotated[
@@ -45,7 +45,7 @@ def build(  # noqa: PLR0913, PLR0917
     How files are read comes from a library.toml beside them, from a built-in recipe that knows the data set,
     or from --skeleton, --fps and --skip.
     """
-    from studykit.library.build import build as build_library  # noqa: PLC0415
+    from studykit.library.build import build as build_library
 
     if noise_rule not in {"robust", "paper"}:
         raise InputError(
@@ -59,7 +59,7 @@ def build(  # noqa: PLR0913, PLR0917
 
 
 def _recipe(source: Path, skeleton: str | None, fps: list[str], skip: int | None) -> Recipe:
-    from studykit.library.recipe import Recipe, TakeRule, find_recipe  # noqa: PLC0415
+    from studykit.library.recipe import Recipe, TakeRule, find_recipe
 
     if skeleton is None:
         recipe = find_recipe(source)
@@ -98,7 +98,7 @@ def sample(
     seed: Seed = 0,
 ) -> None:
     """Make up a synthetic library, of any size: nobody danced it, and it says so."""
-    from studykit.library import make_sample  # noqa: PLC0415
+    from studykit.library import make_sample
 
     make_sample(out, segments=segments, seed=seed, progress=show.progress)
     _print_info(out)
@@ -111,7 +111,7 @@ def fetch(
     out: Out,
 ) -> None:
     """Bring public dances from their origin; every file is checked, and a broken download is continued."""
-    from studykit.library.fetch import fetch as fetch_data_set  # noqa: PLC0415
+    from studykit.library.fetch import fetch as fetch_data_set
 
     folder = fetch_data_set(name, out, show.progress)
     show.say(f"{name} lies in {folder}.")
@@ -133,7 +133,7 @@ def info(
 
 
 def _facts(library: Path) -> dict[str, Any]:
-    from studykit.library.store import open_library, read_manifest  # noqa: PLC0415
+    from studykit.library.store import open_library, read_manifest
 
     calibration = open_library(library).calibration
     light, intense = calibration.energy_targets(25.0), calibration.energy_targets(75.0)
@@ -146,7 +146,7 @@ def _facts(library: Path) -> dict[str, Any]:
 
 
 def _print_info(library: Path) -> None:
-    from studykit.motion.body import DEFAULT_BODY_MASS_KG  # noqa: PLC0415
+    from studykit.motion.body import DEFAULT_BODY_MASS_KG
 
     facts = _facts(library)
     kept, paper = facts["segments"], facts["segments_paper"]
@@ -166,9 +166,9 @@ def _print_info(library: Path) -> None:
 
 
 def _print_yield(library: Path) -> None:
-    import pandas as pd  # noqa: PLC0415
+    import pandas as pd
 
-    from studykit.library.store import read_manifest  # noqa: PLC0415
+    from studykit.library.store import read_manifest
 
     read_manifest(library)
     rows = pd.read_csv(library / "yield.csv").to_dict("records")

@@ -42,9 +42,9 @@ def resume(
 
 
 def _run(study: Path, participant: str, camera: str, heart_rate: str, *, resume: bool) -> None:
-    from studykit.io.protocol_file import default_protocol  # noqa: PLC0415
-    from studykit.library.dance_file import read_dances  # noqa: PLC0415
-    from studykit.session import open_study  # noqa: PLC0415
+    from studykit.io.protocol_file import default_protocol
+    from studykit.library.dance_file import read_dances
+    from studykit.session import open_study
 
     for name in (camera, heart_rate):
         if name != "simulated":
@@ -76,7 +76,7 @@ def _run(study: Path, participant: str, camera: str, heart_rate: str, *, resume:
 @app.command("list")
 def list_sessions(study: StudyDir, *, json: AsJson = False) -> None:
     """List who has come, and whether the visit is over."""
-    from studykit.session import open_study  # noqa: PLC0415
+    from studykit.session import open_study
 
     opened = open_study(study)
     recorded = {record.participant: record for record in opened.sessions()}
@@ -99,7 +99,7 @@ def list_sessions(study: StudyDir, *, json: AsJson = False) -> None:
 @app.command()
 def validate(study: StudyDir) -> None:
     """Check every journal's chain of digests and every recorded frame; nothing is changed."""
-    from studykit.session import open_study  # noqa: PLC0415
+    from studykit.session import open_study
 
     opened = open_study(study)
     records = opened.sessions()

@@ -12,8 +12,8 @@ from studykit.core.progress import Item
 
 def progress(items: Iterable[Item], *, label: str, total: int) -> Iterable[Item]:
     """Pass items through behind a progress bar on the error stream."""
-    from rich.console import Console  # noqa: PLC0415 - heavy
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("{task.description:<28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True)) as bar:
@@ -25,7 +25,7 @@ def progress(items: Iterable[Item], *, label: str, total: int) -> Iterable[Item]
 
 def say(text: str = "") -> None:
     """Print a line."""
-    print(text)  # noqa: T201
+    print(text)
 
 
 def as_json(value: Mapping[str, Any] | Sequence[Any]) -> None:

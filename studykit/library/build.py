@@ -99,7 +99,7 @@ def read_takes(folder: Path, recipe: Recipe) -> Iterator[Take]:
     for path in takes_in(folder, recipe):
         name = _plain_name(path, folder)
         rule = recipe.rule(name)
-        assert rule is not None  # noqa: S101 - takes_in gives only these
+        assert rule is not None
         motion = to_smpl(
             read_bvh(path), recipe.skeleton, units_m=recipe.units_m, frame_rate_hz=rule.frame_rate_hz
         )
@@ -253,7 +253,7 @@ def _finish(
     seed: int,
 ) -> None:
     """Write the index, the calibration and the manifest of a library whose arrays are written."""
-    import pandas as pd  # noqa: PLC0415 - heavy
+    import pandas as pd
 
     if not rows:
         raise InputError(

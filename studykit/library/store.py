@@ -142,7 +142,7 @@ def load(
     folder: Path, *, name: str, scaler: FeatureScaler, calibration: Calibration, sha256: str
 ) -> DanceLibrary:
     """Put a library together from the files of its segments and what is known of them."""
-    import pandas as pd  # noqa: PLC0415 - heavy
+    import pandas as pd
 
     arrays = {
         # What the search looks at all the time is held; the large arrays are mapped.

@@ -276,7 +276,7 @@ def grounded_root(centred: Floats, frame_rate_hz: float) -> Floats:
         The lowest of heels and toes stays about at height 0; the pelvis moves against the feet, each as far
         as it bears weight, and drifts back to the middle of the room.
     """
-    from scipy.signal import lfilter  # noqa: PLC0415 - heavy
+    from scipy.signal import lfilter
 
     blur_m, memory_s, sole_m, ball_m = 0.03, 5.0, 0.075, 0.02
     soles = centred[:, [_INDEX(name) for name in ("left_ankle", "right_ankle", "left_foot", "right_foot")]]

@@ -24,7 +24,7 @@ def low_pass(positions: Floats, cutoff_hz: float, frame_rate_hz: float) -> Float
     ndarray, shape (frame, ...)
         Second-order Butterworth, run forwards and backwards.
     """
-    from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 - heavy
+    from scipy.signal import butter, sosfiltfilt
 
     sections = butter(2, cutoff_hz, fs=frame_rate_hz, output="sos")
     return np.asarray(sosfiltfilt(sections, positions, axis=0), dtype=np.float64)

@@ -230,7 +230,7 @@ def _digest(before: str, body: bytes) -> str:
 def _lock(file: FileIO, path: Path) -> None:
     """Refuse a second writer, where the system can; the lock ends with the program."""
     try:
-        import fcntl  # noqa: PLC0415 - only some systems have it
+        import fcntl
     except ImportError:
         return
     try:

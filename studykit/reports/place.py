@@ -28,6 +28,8 @@ def folder_of(study: AnyStudy) -> StudyFolder:
         raise InputError("there is no study here", where=folder.path, remedy="give the folder of a study")
     if not folder.sessions():
         raise InputError(
-            "nothing has been recorded yet", where=folder.path, remedy="run a visit with 'studykit session run'"
+            "nothing has been recorded yet",
+            where=folder.path,
+            remedy="run a visit with 'studykit session run'",
         )
     return folder

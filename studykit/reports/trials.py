@@ -106,15 +106,13 @@ def _refuse_other_dances(record: SessionRecord, shown: Mapping[str, Dance]) -> N
     for condition, sha256 in record.dance_sha256.items():
         if condition not in shown or shown[condition].sha256 != sha256:
             raise InputError(
-                f"participant {record.participant} was shown another dance {condition} than the one in the folder",
+                f"participant {record.participant} was shown another {condition} than the one in the folder",
                 where=record.journal,
                 remedy="put back the dances that were shown",
             )
 
 
-def _rows(
-    record: SessionRecord, shown: Mapping[str, Dance], protocol: StudyProtocol
-) -> list[dict[str, Any]]:
+def _rows(record: SessionRecord, shown: Mapping[str, Dance], protocol: StudyProtocol) -> list[dict[str, Any]]:
     performed = [step for step in record.steps if step.phase == "perform"]
     last = {step.condition: step.step for step in performed if step.is_complete}
     return [_row(record, step, shown, protocol, _exclusion(step, last)) for step in performed]

@@ -208,7 +208,7 @@ class _Visit:
 
 def _carried_out(visits: list[_Visit], workers: int) -> Iterator[None]:
     if workers > 1 and len(visits) > 1:
-        import multiprocessing  # noqa: PLC0415 - only here
+        import multiprocessing
 
         context = multiprocessing.get_context("spawn")  # the same on every system
         with ProcessPoolExecutor(workers, mp_context=context) as pool:

@@ -1,0 +1,104 @@
+"""From recordings to numbers on disk: the tables and every declared result."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studykit.analysis import Results, enjoyment, run
+from studykit.core.errors import InputError
+from studykit.core.progress import Progress, silent
+from studykit.core.provenance import sha256_of_files, sha256_of_value, versions
+from studykit.io.protocol_file import read_protocol
+from studykit.reports.place import AnyStudy, folder_of
+from studykit.reports.trials import paces, trials
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def analyse(study: AnyStudy, *, progress: Progress = silent) -> Results:
+    """Measure every trial of a study and make every test that its protocol declares.
+
+    Writes `trials.csv` and `results.json` into the study's `derivatives/studykit`; what was recorded is only
+    read. The same recordings give the same bytes.
+
+    Parameters
+    ----------
+    study : Study, StudyFolder, Path or str
+        Where it was recorded.
+    progress : Progress
+        Told of each visit.
+
+    Raises
+    ------
+    InputError
+        If nothing was recorded, or the derivatives cannot be written.
+    """
+    folder = folder_of(study)
+    protocol = read_protocol(folder.protocol)
+    table = trials(folder, progress=progress)
+    results = run(protocol.analysis, table)
+    written = results.to_dict() | {
+        "enjoyment": enjoyment_of(paces(folder)),
+        "provenance": {
+            "protocol_sha256": protocol.sha256,
+            "data_sha256": sha256_of_value(list(table["data_sha256"])),
+            "dances_sha256": sha256_of_files(sorted(folder.dances.glob("*.json"))),
+            "versions": versions(),
+        },
+    }
+    write(folder.derivatives / "trials.csv", table.to_csv(index=False, lineterminator="\n"))
+    text = json.dumps(written, indent=1, ensure_ascii=False, allow_nan=False)
+    write(folder.derivatives / "results.json", text + "\n")
+    return results
+
+
+def enjoyment_of(answers: pd.DataFrame) -> dict[str, Any]:
+    """Score everybody's enjoyment: means over people and how well the items go together.
+
+    Parameters
+    ----------
+    answers : DataFrame
+        The columns of `analysis.tables.PACES`.
+    """
+    import pandas as pd
+
+    items = answers.drop(columns="participant_id")
+    people = [{str(name): value for name, value in row.dropna().items()} for _, row in items.iterrows()]
+    scores = [score for person in people if (score := enjoyment.score(person)) is not None]
+    if not scores:
+        return {"participants": 0}
+    measures = ("total", "percent_of_maximum", "percent_of_range", "item_mean")
+    values = pd.DataFrame([{measure: getattr(score, measure) for measure in measures} for score in scores])
+    spread = values.std(ddof=1)
+    keyed = [enjoyment.keyed(person) for person in people if len(person) == items.shape[1]]
+    return {
+        "version": scores[0].version,
+        "participants": len(scores),
+        "left_out": len(people) - len(scores),
+        "mean": values.mean().to_dict(),
+        "standard_deviation": spread.to_dict() if len(scores) > 1 else None,
+        "cronbach_alpha": enjoyment.cronbach_alpha(np.array(keyed)) if keyed else None,
+    }
+
+
+def write(path: Path, content: str | bytes) -> None:
+    """Write a derived file so that it is there whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    partial = path.with_name(path.name + ".partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_bytes(content.encode() if isinstance(content, str) else content)
+        partial.replace(path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"cannot be written ({reason})", where=path, remedy="check its folder") from error
