@@ -100,15 +100,34 @@ class Goal:
         return TotalCost(tuple((term, self.weights[term.name]) for term in terms))
 
     def misses(self, measures: Measures) -> dict[str, float]:
-        """Give what a dance misses, by how much of the target: its length, an energy, its variety."""
-        off = {
-            "duration": abs(measures.duration_s / self.duration_s - 1.0),
-            "linear energy": abs(measures.linear_energy / self.linear_energy - 1.0),
-            "rotational energy": abs(measures.rotational_energy / self.rotational_energy - 1.0),
-            "variety": abs(measures.variety / self.variety - 1.0),
+        """Give what a dance misses, by how much of the target: its length, an energy, its variety.
+
+        A term of weight 0 is not asked for and cannot be missed.
+        """
+        lambdas, have = self.weights, measures
+        asked = (
+            ("duration", 1.0, have.duration_s, self.duration_s, 1e-9),
+            ("linear energy", lambdas["linear"], have.linear_energy, self.linear_energy, ENERGY_HIT),
+            (
+                "rotational energy",
+                lambdas["rotational"],
+                have.rotational_energy,
+                self.rotational_energy,
+                ENERGY_HIT,
+            ),
+            (
+                "variety",
+                lambdas["variety"],
+                have.variety,
+                self.variety,
+                self.variety_tolerance / self.variety,
+            ),
+        )
+        return {
+            name: off
+            for name, weight, achieved, target, allowed in asked
+            if weight > 0.0 and (off := abs(achieved / target - 1.0)) > allowed
         }
-        allowed = {"duration": 1e-9, "variety": self.variety_tolerance / self.variety}
-        return {name: share for name, share in off.items() if share > allowed.get(name, ENERGY_HIT)}
 
 
 def goals(protocol: StudyProtocol, library: DanceLibrary) -> dict[str, Goal]:
@@ -138,6 +157,8 @@ def goal(plan: DancePlan, condition: Condition, library: DanceLibrary) -> Goal:
     weights = plan.weights.model_dump()
     if condition.transition == "off":
         weights["transition"] = 0.0
+    if plan.duration_s < 2 * SEGMENT_S:
+        weights["variety"] = 0.0  # one segment has nothing to differ from
     linear, rotational, tolerances = _energies(plan, condition.intensity, library)
     gap = _variety(plan, "hard", library) - _variety(plan, "easy", library)
     cosine = preset.variety == "cosine"

@@ -113,12 +113,12 @@ def run(
                     final = proposed if width == 1.0 else objective.cost(now.measures)
                     if final < best_cost:
                         best, best_cost = now, final
-            slot = iteration % _STOP_WINDOW
-            little = history[slot] - best_cost <= schedule.stop_below * best_cost
-            history[slot] = best_cost
-            stalled = schedule.stop_below > 0.0 and temperature <= _COLD and little
-            if stalled:
-                break
+            if schedule.stop_below > 0.0 and temperature <= _COLD:
+                slot = iteration % _STOP_WINDOW
+                stalled = history[slot] - best_cost <= schedule.stop_below * best_cost
+                history[slot] = best_cost
+                if stalled:
+                    break
         done = stage * schedule.stage_iterations + iteration + 1
         trace.append(
             TraceRow(
