@@ -1,197 +1,104 @@
-"""What was asked of the dances, what they became, and what it did to those who danced them."""
+"""What was asked of the dances, and what they became."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
-from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.figures import style
-from studykit.figures.outcomes import WITH_TRANSITION
 from studykit.figures.samples import ORDER
+from studykit.motion.body import DEFAULT_BODY_MASS_KG
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_GOALS = (
-    ("linear_energy", "Linear energy (J)", True),
-    ("rotational_energy", "Rotational energy (J)", True),
-    ("variety", "Variety", False),
-)
-BODY_MASS_KG = 73.5
-"""The body mass with which energies are shown when no other is given."""
+_ENERGIES = (("linear_energy", "Linear energy"), ("rotational_energy", "Rotational energy"))
 
 
-def heart_rate_against_energy(trials: pd.DataFrame, *, body_mass_kg: float = BODY_MASS_KG) -> Figure:
-    """Show how heart rate follows the energy asked of a dance, within each participant.
-
-    Parameters
-    ----------
-    trials : DataFrame
-        One row a trial, with the columns of `trials.csv`.
-    body_mass_kg : float
-        Energies are stored per mass fraction; they are shown for this body mass.
-
-    Raises
-    ------
-    InputError
-        If fewer than two valid trials of the conditions with transition cost have both numbers.
-    """
-    energy = body_mass_kg * (trials["linear_energy_asked"] + trials["rotational_energy_asked"])
-    table = trials.assign(x=energy, y=trials["heart_rate_mean_bpm"])
-    return _within_participants(table, "Linear + rotational energy asked (J)", "Mean heart rate (beats/min)")
-
-
-def movement_against_variety(trials: pd.DataFrame) -> Figure:
-    """Show how movement distance follows the variety of a dance, within each participant.
-
-    Parameters
-    ----------
-    trials : DataFrame
-        One row a trial, with the columns of `trials.csv`.
-
-    Raises
-    ------
-    InputError
-        If fewer than two valid trials of the conditions with transition cost have both numbers.
-    """
-    table = trials.assign(x=trials["variety_achieved"], y=trials["dtw_m"])
-    return _within_participants(table, "Variety achieved", "Movement (DTW) distance (m)")
-
-
-def asked_and_achieved(dances: pd.DataFrame, *, body_mass_kg: float = BODY_MASS_KG) -> Figure:
+def asked_and_achieved(dances: pd.DataFrame, *, body_mass_kg: float = DEFAULT_BODY_MASS_KG) -> Figure:
     """Show how closely each dance met its goals.
 
     Parameters
     ----------
     dances : DataFrame
-        One row a dance: `condition`, `simulated` and, for linear_energy, rotational_energy and variety,
-        the columns `..._asked` and `..._achieved`; energies per mass fraction.
+        One row a dance: `condition`, `is_synthetic` and, for linear_energy, rotational_energy and variety,
+        the columns `..._asked`, `..._achieved` (within its segments) and `..._shown` (joins included);
+        energies in J per kg.
     body_mass_kg : float
         Energies are shown for this body mass.
+
+    Raises
+    ------
+    InputError
+        If there is no dance.
     """
+    if dances.empty:
+        raise InputError("there is no dance to show", where="dances", remedy="choreograph one first")
+    names = [f"{cell}-{transition}" for cell in ORDER for transition in ("on", "off")]
+    table = dances.set_index("condition")
+    table = table.loc[[name for name in names if name in table.index]]
     with style.in_style():
         figure = style.sheet(
-            width_mm=style.PAGE_MM, height_mm=66.0, simulated=bool(dances["simulated"].any())
+            width_mm=style.PAGE_MM,
+            height_mm=28.0 + 5.2 * len(table),
+            simulated=False,
+            synthetic=bool(dances["is_synthetic"].any()),
         )
-        panels = figure.subplots(1, len(_GOALS))
-        for axes, (goal, words, is_energy) in zip(panels, _GOALS, strict=True):
-            _draw_goal(axes, dances, goal, body_mass_kg if is_energy else 1.0)
-            axes.set_title(words)
-            axes.set_xlabel("Asked")
-        panels[0].set_ylabel("Achieved")
-        _explain_conditions(figure)
+        panels = figure.subplots(1, len(_ENERGIES) + 1, sharey=True)
+        for axes, (goal, words) in zip(panels, _ENERGIES, strict=False):
+            _draw_goal(axes, table, goal, body_mass_kg)
+            axes.set_xlabel(f"{words} (J, {body_mass_kg:g} kg)")
+        _draw_goal(panels[-1], table, "variety", 1.0)
+        panels[-1].set_xlabel("Variety (mean feature distance)")
+        labels = [f"{style.words(name)}, {name.rsplit('-', maxsplit=1)[1]}" for name in table.index]
+        panels[0].set_yticks(range(len(labels)), labels)
+        panels[0].set_ylabel("Condition, transition cost")
+        panels[0].invert_yaxis()
+        _explain(figure)
     return figure
 
 
-def _draw_goal(axes: Axes, dances: pd.DataFrame, goal: str, factor: float) -> None:
-    asked = factor * dances[f"{goal}_asked"].to_numpy(float)
-    achieved = factor * dances[f"{goal}_achieved"].to_numpy(float)
-    everything = np.concatenate((asked, achieved))
-    margin = 0.12 * (np.ptp(everything) or 1.0)
-    ends = (everything.min() - margin, everything.max() + margin)
-    style.rule(axes)
-    axes.plot(ends, ends, color=style.FAINT, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-    for condition, x, y in zip(dances["condition"], asked, achieved, strict=True):
-        intensity, variety, transition = str(condition).split("-")
-        colour = style.INTENSITY[intensity]
-        axes.plot(
-            x,
-            y,
-            marker=style.MARKERS[variety],
-            color=colour,
-            markerfacecolor=colour if transition == "on" else "white",
-            markersize=6.0,
-            linestyle="",
-            gid=f"dance {condition}",
-        )
-    axes.set(xlim=ends, ylim=ends)
-    axes.set_box_aspect(1.0)
-
-
-def _within_participants(table: pd.DataFrame, x_label: str, y_label: str) -> Figure:
-    kept = table[table["is_valid"].astype(bool) & table["condition"].isin(WITH_TRANSITION)]
-    kept = kept[kept["x"].notna() & kept["y"].notna()]
-    if len(kept) < 2:
-        raise InputError(
-            f"fewer than two valid trials have both {x_label} and {y_label}",
-            where="trials",
-            remedy="record more performances of the conditions with transition cost, then draw again",
-        )
-    with style.in_style():
-        figure = style.sheet(
-            width_mm=style.COLUMN_MM, height_mm=78.0, simulated=bool(table["simulated"].any())
-        )
-        axes = figure.add_subplot()
-        style.rule(axes)
-        for _, one in kept.groupby("participant"):
-            _draw_common_slope(axes, one, _common_slope(kept))
-        for condition in WITH_TRANSITION:
-            some = kept[kept["condition"] == condition]
-            if not some.empty:
-                _draw_condition(axes, some, condition)
-        axes.set(xlabel=x_label, ylabel=y_label)
-        _explain_conditions(figure, with_transition_only=True)
-    return figure
-
-
-def _common_slope(kept: pd.DataFrame) -> float:
-    """Give the one slope that fits all participants best, each with an intercept of their own."""
-    centred = kept[["x", "y"]] - kept.groupby("participant")[["x", "y"]].transform("mean")
-    squares = float((centred["x"] ** 2).sum())
-    return float((centred["x"] * centred["y"]).sum()) / squares if squares else 0.0
-
-
-def _draw_common_slope(axes: Axes, one: pd.DataFrame, slope: float) -> None:
-    ends: Floats = np.array([one["x"].min(), one["x"].max()])
-    line = one["y"].mean() + slope * (ends - one["x"].mean())
-    axes.plot(ends, line, color=style.FAINT, linewidth=0.5, alpha=0.5, zorder=1)
-
-
-def _draw_condition(axes: Axes, some: pd.DataFrame, condition: str) -> None:
-    intensity, variety, *_ = condition.split("-")
-    colour, marker = style.INTENSITY[intensity], style.MARKERS[variety]
-    axes.scatter(
-        some["x"],
-        some["y"],
-        s=11.0,
-        marker=marker,
-        color=colour,
-        alpha=0.5,
-        linewidths=0.0,
-        gid=f"participants {condition}",
-        zorder=2,
+def _draw_goal(axes: Axes, table: pd.DataFrame, goal: str, factor: float) -> None:
+    rows = np.arange(len(table))
+    style.rule(axes, at="x")
+    asked, achieved, shown = (
+        factor * table[f"{goal}_{kind}"].to_numpy(float) for kind in ("asked", "achieved", "shown")
     )
-    axes.plot(
-        some["x"].mean(),
-        some["y"].mean(),
-        marker=marker,
-        markersize=7.0,
-        color=style.INK,
-        markerfacecolor=colour,
-        zorder=3,
-    )
+    axes.vlines(asked, rows - 0.38, rows + 0.38, color=style.INK, linewidth=1.4, zorder=2)
+    axes.scatter(shown, rows, s=26.0, facecolor="none", edgecolor=style.INK, linewidths=0.6, zorder=4)
+    for row, name in enumerate(table.index):
+        axes.scatter(
+            achieved[row],
+            row,
+            s=13.0,
+            color=style.colour(name),
+            linewidths=0.0,
+            zorder=3,
+            gid=f"dance {name}",
+        )
+    axes.tick_params(axis="y", length=0.0)
+    axes.margins(x=0.08)
 
 
-def _explain_conditions(figure: Figure, *, with_transition_only: bool = False) -> None:
+def _explain(figure: Figure) -> None:
     from matplotlib.lines import Line2D
 
-    names = [f"{cell}-{on}" for cell in ORDER for on in (("on",) if with_transition_only else ("on", "off"))]
-    entries = []
-    for name in names:
-        intensity, variety, transition = name.split("-")
-        words = f"{intensity.capitalize()} – {variety.capitalize()}"
-        if not with_transition_only:
-            words += f", transition {transition}"
-        colour = style.INTENSITY[intensity]
-        entries.append(
-            Line2D(
-                [], [], linestyle="", marker=style.MARKERS[variety], color=colour, label=words,
-                markersize=4.5, markerfacecolor=colour if transition == "on" else "white",
-            )
-        )  # fmt: skip
-    figure.legend(handles=entries, loc="outside lower center", ncols=2 if with_transition_only else 4)
+    entries = [
+        Line2D(
+            [], [], linestyle="", marker="|", color=style.INK, markersize=7.0, markeredgewidth=1.4,
+            label="asked",
+        ),
+        Line2D(
+            [], [], linestyle="", marker="o", color=style.FAINT, markersize=3.6,
+            label="achieved within segments",
+        ),
+        Line2D(
+            [], [], linestyle="", marker="o", color=style.INK, markerfacecolor="none", markersize=5.1,
+            markeredgewidth=0.6, label="shown, joins included",
+        ),
+    ]  # fmt: skip
+    figure.legend(handles=entries, loc="outside lower center", ncols=3)

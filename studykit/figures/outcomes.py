@@ -2,61 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from studykit.core.arrays import Floats
 from studykit.figures import style
-from studykit.figures.samples import ORDER, beside_each_other, by_participant, mean_interval
+from studykit.figures.samples import ORDER, beside_each_other, by_participant, mean_interval, valid_trials
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.container import ErrorbarContainer
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
-WITH_TRANSITION = tuple(f"{cell}-on" for cell in ORDER)
-"""The four conditions whose dances were joined with the transition cost."""
+_CELL_WIDTH = 2.9
+_OFF_AT = 1.35
 
 
-def movement_by_condition(trials: pd.DataFrame, *, conditions: Sequence[str] = WITH_TRANSITION) -> Figure:
+def movement_by_condition(trials: pd.DataFrame) -> Figure:
     """Show how far the dancers' movements were from the guide's, condition by condition (Figure 7).
+
+    Only the conditions with transition cost are shown, as in the study that this follows.
 
     Parameters
     ----------
     trials : DataFrame
         One row a trial, with the columns of `trials.csv`; `dtw_m` in m.
-    conditions : sequence of str
-        Which conditions, from left to right.
 
     Raises
     ------
     InputError
-        If no valid trial of these conditions has a distance.
+        If no valid trial has a distance.
     """
-    return _by_condition(trials, "dtw_m", conditions, "Movement (DTW) distance (m)")
+    return _by_condition(trials, "dtw_m", "Movement (DTW) distance (m)")
 
 
-def heart_rate_by_condition(trials: pd.DataFrame, *, conditions: Sequence[str] = WITH_TRANSITION) -> Figure:
+def heart_rate_by_condition(trials: pd.DataFrame) -> Figure:
     """Show how fast hearts beat while performing, condition by condition.
 
     Parameters
     ----------
     trials : DataFrame
         One row a trial, with the columns of `trials.csv`; `heart_rate_mean_bpm` in beats a minute.
-    conditions : sequence of str
-        Which conditions, from left to right.
 
     Raises
     ------
     InputError
-        If no valid trial of these conditions has a heart rate.
+        If no valid trial has a heart rate.
     """
-    return _by_condition(trials, "heart_rate_mean_bpm", conditions, "Mean heart rate (beats/min)")
+    return _by_condition(trials, "heart_rate_mean_bpm", "Mean heart rate (beats/min)")
 
 
-def smoothness_by_condition(trials: pd.DataFrame, *, scale: tuple[int, int] = (1, 7)) -> Figure:
+def smoothness_by_condition(
+    trials: pd.DataFrame, *, scale: tuple[int, int] = (1, 7), question: str = "The dance was smooth."
+) -> Figure:
     """Show how smooth the dances were rated, each condition with and without transition cost (Figure 8).
 
     Parameters
@@ -65,124 +66,138 @@ def smoothness_by_condition(trials: pd.DataFrame, *, scale: tuple[int, int] = (1
         One row a trial, with the columns of `trials.csv`; `smoothness_rating` on the scale of the protocol.
     scale : (int, int)
         The lowest and the highest answer.
+    question : str
+        The sentence that was rated.
 
     Raises
     ------
     InputError
         If no valid trial has a rating.
     """
-    conditions = [f"{cell}-{transition}" for cell in ORDER for transition in ("on", "off")]
-    table = by_participant(trials, "smoothness_rating", conditions)
-    with style.in_style():
-        figure = style.sheet(width_mm=140.0, height_mm=82.0, simulated=bool(trials["simulated"].any()))
-        axes = figure.add_subplot()
-        style.rule(axes)
-        for cell, name in enumerate(ORDER):
-            _draw_pair(axes, table[[f"{name}-on", f"{name}-off"]], 2.6 * cell)
-        centres = [2.6 * cell + side for cell in range(len(ORDER)) for side in (0.0, 1.0)]
-        axes.set_xticks(centres, ["on", "off"] * len(ORDER))
-        axes.set_xlim(-0.6, centres[-1] + 0.6)
-        for cell, name in enumerate(ORDER):
-            words = " – ".join(part.capitalize() for part in name.split("-"))
-            axes.text(
-                2.6 * cell + 0.5, -0.13, words, transform=axes.get_xaxis_transform(), ha="center", va="top"
-            )
-        axes.set_xlabel("Transition cost", labelpad=16.0)
-        low, high = scale
-        axes.set_yticks(range(low, high + 1))
-        axes.set_ylim(low - 0.5, high + 0.5)
-        axes.set_ylabel(f"“The dance was smooth”\n({low} strongly disagree, {high} strongly agree)")
-        _explain_pairs(figure)
-    return figure
-
-
-def _by_condition(
-    trials: pd.DataFrame, outcome: str, conditions: Sequence[str], axis_label: str
-) -> Figure:
-    table = by_participant(trials, outcome, conditions)
+    table = by_participant(valid_trials(trials, ["smoothness_rating"], transition=None), "smoothness_rating")
+    cells = [cell for cell in ORDER if any(name.startswith(f"{cell}-") for name in table.columns)]
+    lefts = _CELL_WIDTH * np.arange(len(cells))
+    low, high = scale
     with style.in_style():
         figure = style.sheet(
-            width_mm=style.COLUMN_MM, height_mm=74.0, simulated=bool(trials["simulated"].any())
+            width_mm=style.PAGE_MM, height_mm=84.0, simulated=bool(trials["simulated"].any())
         )
         axes = figure.add_subplot()
         style.rule(axes)
-        shifts = np.column_stack(
-            [beside_each_other(table[name].to_numpy(float), half_width=0.22) for name in conditions]
-        )
-        places = np.arange(len(conditions)) + shifts - 0.08
-        axes.plot(places.T, table.to_numpy(float).T, color=style.FAINT, linewidth=0.35, alpha=0.35, zorder=1)
-        for column, name in enumerate(conditions):
-            _draw_sample(axes, column, places[:, column], table[name].to_numpy(float), name)
-        axes.set_xticks(range(len(conditions)), [style.label(name) for name in conditions])
-        axes.set_xlim(-0.55, len(conditions) - 0.4)
-        axes.set_ylabel(axis_label)
+        for cell, left in zip(cells, lefts, strict=True):
+            _draw_cell(axes, table, cell, left)
+        axes.set_xticks(np.add.outer(lefts, [0.0, _OFF_AT]).ravel(), ["on", "off"] * len(cells))
+        axes.set(xlim=(-0.65, lefts[-1] + _OFF_AT + 0.75), ylim=(low - 0.5, high + 0.5))
+        axes.set_yticks(range(low, high + 1))
         axes.tick_params(axis="x", length=0.0)
+        axes.set_xlabel("Transition cost")
+        axes.set_ylabel(f"“{question.rstrip('.')}”\n({low} strongly disagree … {high} strongly agree)")
+        median = _sign(color=style.FAINT, alpha=0.45, linewidth=4.0, label="median")
+        participants = [_participant_sign(filled=filled) for filled in (True, False)]
+        figure.legend(handles=[*participants, median, mean_sign(axes)], loc="outside lower center", ncols=4)
     return figure
 
 
-def _draw_sample(axes: Axes, column: int, places: Floats, values: Floats, condition: str) -> None:
-    intensity, variety, *_ = condition.split("-")
-    colour = style.INTENSITY.get(intensity, style.INK)
+def _by_condition(trials: pd.DataFrame, outcome: str, axis_label: str) -> Figure:
+    table = by_participant(valid_trials(trials, [outcome], transition="on"), outcome)
+    values = table.to_numpy(float)
+    with style.in_style():
+        figure = style.sheet(
+            width_mm=style.COLUMN_MM, height_mm=76.0, simulated=bool(trials["simulated"].any())
+        )
+        axes = figure.add_subplot()
+        style.rule(axes)
+        shifts = [beside_each_other(column, half_width=0.22) for column in values.T]
+        places: Floats = np.arange(values.shape[1]) + np.column_stack(shifts) - 0.08
+        axes.plot(places.T, values.T, color=style.FAINT, linewidth=0.35, alpha=0.35, zorder=1)
+        for column, name in enumerate(table.columns):
+            draw_participants(axes, places[:, column], values[:, column], name)
+            draw_mean(axes, column + 0.34, values[:, column], name)
+        labels = [style.words(name, between="\n") for name in table.columns]
+        axes.set_xticks(range(len(labels)), labels)
+        axes.set_xlim(-0.5, len(labels) - 0.45)
+        axes.set_ylabel(axis_label)
+        axes.tick_params(axis="x", length=0.0)
+        figure.legend(
+            handles=[_participant_sign(filled=None), mean_sign(axes)], loc="outside lower center", ncols=2
+        )
+    return figure
+
+
+def draw_participants(axes: Axes, places: Floats, values: Floats, condition: str) -> None:
+    """Draw one point a participant; hollow where there was no transition cost."""
+    colour, is_hollow = style.colour(condition), condition.endswith("-off")
     axes.scatter(
         places,
         values,
-        s=11.0,
-        marker=style.MARKERS.get(variety, "o"),
-        color=colour,
-        alpha=0.55,
-        linewidths=0.0,
+        s=10.0,
+        marker=style.marker(condition),
+        facecolor="white" if is_hollow else colour,
+        edgecolor=colour,
+        alpha=1.0 if is_hollow else 0.6,
+        linewidths=0.7 if is_hollow else 0.0,
         gid=f"participants {condition}",
         zorder=2,
     )
+
+
+def draw_mean(axes: Axes, place: float, values: Floats, condition: str) -> None:
+    """Draw the mean of the participants with its 95 % interval."""
     interval = mean_interval(values)
     axes.errorbar(
-        column + 0.33,
+        place,
         interval.mean,
         yerr=[[interval.mean - interval.low], [interval.high - interval.mean]],
-        fmt=style.MARKERS.get(variety, "o"),
+        fmt=style.marker(condition),
         color=style.INK,
-        markerfacecolor=colour,
-        markersize=5.0,
+        markerfacecolor="white" if condition.endswith("-off") else style.colour(condition),
+        markersize=4.8,
+        markeredgewidth=0.8,
         elinewidth=1.0,
-        capsize=2.5,
-        label=f"mean {condition}",
-        zorder=3,
+        capsize=2.2,
+        zorder=4,
     )
 
 
-def _draw_pair(axes: Axes, pair: pd.DataFrame, left: float) -> None:
-    colour = style.INTENSITY.get(str(pair.columns[0]).split("-", maxsplit=1)[0], style.INK)
+def _draw_cell(axes: Axes, table: pd.DataFrame, cell: str, left: float) -> None:
+    pair = table.reindex(columns=[f"{cell}-on", f"{cell}-off"])
     values = pair.to_numpy(float)
-    shifts = [beside_each_other(values[:, side], half_width=0.30, bins=97) for side in (0, 1)]
-    places = left + np.array([0.0, 1.0]) + np.column_stack(shifts)
+    centres = (left, left + _OFF_AT)
+    shifts = [beside_each_other(column, half_width=0.34, bins=97) for column in values.T]
+    places = np.array(centres) + np.column_stack(shifts)
     axes.plot(places.T, values.T, color=style.FAINT, linewidth=0.35, alpha=0.4, zorder=1)
     for side, name in enumerate(pair.columns):
-        axes.scatter(
-            places[:, side],
-            values[:, side],
-            s=10.0,
-            facecolor=colour if side == 0 else "white",
-            edgecolor=colour,
-            linewidths=0.7,
-            gid=f"participants {name}",
-            zorder=2,
-        )
-        median, mean = np.nanmedian(values[:, side]), np.nanmean(values[:, side])
-        x = left + side
-        axes.plot([x - 0.4, x + 0.4], [median, median], color=style.INK, linewidth=1.6, zorder=3)
-        axes.plot(x, mean, marker="D", markersize=4.0, color=style.INK, markerfacecolor="white", zorder=4)
+        answers = values[np.isfinite(values[:, side]), side]
+        if not len(answers):
+            continue
+        draw_participants(axes, places[:, side], values[:, side], name)
+        axes.hlines(
+            np.median(answers), centres[side] - 0.42, centres[side] + 0.42,
+            color=style.FAINT, alpha=0.45, linewidth=4.0, zorder=1.5,
+        )  # fmt: skip
+        draw_mean(axes, centres[side] + 0.53, answers, name)
+    axes.text(
+        left + _OFF_AT / 2, 1.01, style.words(cell), transform=axes.get_xaxis_transform(),
+        ha="center", va="bottom", fontweight="bold",
+    )  # fmt: skip
 
 
-def _explain_pairs(figure: Figure) -> None:
+def _participant_sign(*, filled: bool | None) -> Line2D:
+    words = {True: "participant, transition cost on", False: "… off", None: "participant"}
+    return _sign(
+        marker="o", linestyle="", markersize=3.4, color=style.FAINT, label=words[filled],
+        markerfacecolor="white" if filled is False else style.FAINT,
+    )  # fmt: skip
+
+
+def mean_sign(axes: Axes) -> ErrorbarContainer:
+    """Give what stands for a mean and its interval in a legend."""
+    return axes.errorbar(
+        [], [], yerr=[], fmt="o", color=style.INK, markersize=4.0, capsize=2.2, label="mean and 95 % interval"
+    )
+
+
+def _sign(**options: object) -> Line2D:
     from matplotlib.lines import Line2D
 
-    entries = [
-        Line2D([], [], marker="o", linestyle="", markersize=3.4, color=style.FAINT, label="participant, on"),
-        Line2D(
-            [], [], marker="o", linestyle="", markersize=3.4, color=style.FAINT, markerfacecolor="white",
-            label="participant, off",
-        ),
-        Line2D([], [], color=style.INK, linewidth=1.6, label="median"),
-        Line2D([], [], marker="D", linestyle="", markersize=4.0, color=style.INK, markerfacecolor="white", label="mean"),
-    ]  # fmt: skip
-    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
+    return Line2D([], [], **options)  # type: ignore[arg-type]

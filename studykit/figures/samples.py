@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 ORDER = ("light-easy", "light-hard", "intense-easy", "intense-hard")
 """The four cells of intensity and variety, in the order in which figures show them."""
@@ -40,8 +43,9 @@ def mean_interval(values: Floats) -> Interval:
 
     Examples
     --------
-    >>> mean_interval(np.array([1.0, 2.0, 3.0]))
-    Interval(mean=2.0, low=-0.484..., high=4.484...)
+    >>> interval = mean_interval(np.array([1.0, 2.0, 3.0]))
+    >>> interval.mean, round(interval.low, 3), round(interval.high, 3)
+    (2.0, -0.484, 4.484)
     """
     from scipy.special import stdtrit
 
@@ -55,38 +59,44 @@ def mean_interval(values: Floats) -> Interval:
     return Interval(mean=mean, low=mean - half, high=mean + half)
 
 
-def by_participant(trials: pd.DataFrame, outcome: str, conditions: Sequence[str]) -> pd.DataFrame:
-    """Give one number a participant and condition, from the valid trials only.
+def valid_trials(trials: pd.DataFrame, columns: Sequence[str], *, transition: str | None) -> pd.DataFrame:
+    """Give the valid trials that have a number in every column asked for.
 
     Parameters
     ----------
     trials : DataFrame
         One row a trial, with the columns of `trials.csv`.
-    outcome : str
-        The column to show.
-    conditions : sequence of str
-        The conditions, in the order of the columns of the result.
-
-    Returns
-    -------
-    DataFrame, shape (participant, condition)
-        NaN where a participant has no valid trial of a condition.
+    columns : sequence of str
+        The columns needed.
+    transition : {"on", "off"} or None
+        Only trials with or without the transition cost; all if None.
 
     Raises
     ------
     InputError
-        If no valid trial of these conditions has a number in the column.
+        If there is none.
     """
-    kept = trials[trials["is_valid"].astype(bool) & trials["condition"].isin(conditions)]
-    kept = kept[kept[outcome].notna()]
+    kept = trials[trials["is_valid"].astype(bool) & trials[list(columns)].notna().all(axis=1)]
+    if transition is not None:
+        kept = kept[kept["transition"] == transition]
     if kept.empty:
         raise InputError(
-            f"no valid trial has a value of {outcome}",
+            f"no valid trial has a value of {' and '.join(columns)}",
             where="trials",
-            remedy="record at least one complete performance of these conditions, then draw again",
+            remedy="record at least one complete performance, then draw again",
         )
+    return kept
+
+
+def by_participant(kept: pd.DataFrame, outcome: str) -> pd.DataFrame:
+    """Give one number a participant and condition, shape (participant, condition).
+
+    Conditions stand in the order of `ORDER`, each with transition cost before without; NaN where a
+    participant has no valid trial of a condition.
+    """
     table = kept.pivot_table(index="participant", columns="condition", values=outcome, aggfunc="mean")
-    return table.reindex(columns=list(conditions))
+    names = [f"{cell}-{transition}" for cell in ORDER for transition in ("on", "off")]
+    return table[[name for name in names if name in table.columns]]
 
 
 def beside_each_other(values: Floats, *, half_width: float, bins: int = 24) -> Floats:
@@ -95,7 +105,7 @@ def beside_each_other(values: Floats, *, half_width: float, bins: int = 24) -> F
     Parameters
     ----------
     values : ndarray, shape (point,)
-        Their heights.
+        Their heights; NaN stays where it is.
     half_width : float
         The largest shift.
     bins : int
@@ -107,12 +117,16 @@ def beside_each_other(values: Floats, *, half_width: float, bins: int = 24) -> F
         Sideways shifts, symmetric about zero.
     """
     shifts = np.zeros(len(values))
-    span = float(np.nanmax(values) - np.nanmin(values)) or 1.0
-    rows = np.floor((values - np.nanmin(values)) / span * (bins - 1e-9))
-    counts = np.array([np.sum(rows == row) for row in rows])
-    step = min(2.0 * half_width / max(counts.max() - 1, 1), half_width / 2.0)
-    for row in np.unique(rows[np.isfinite(rows)]):
-        (members,) = np.nonzero(rows == row)
+    (seen,) = np.nonzero(np.isfinite(values))
+    if not len(seen):
+        return shifts
+    low = values[seen].min()
+    span = float(values[seen].max() - low) or 1.0
+    rows = np.floor((values[seen] - low) / span * (bins - 1e-9))
+    _, counts = np.unique(rows, return_counts=True)
+    step = min(2.0 * half_width / max(int(counts.max()) - 1, 1), half_width / 2.0)
+    for row in np.unique(rows):
+        members = seen[rows == row]
         ordered = members[np.argsort(values[members], kind="stable")]
         shifts[ordered] = (np.arange(len(ordered)) - (len(ordered) - 1) / 2.0) * step
     return shifts

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from studykit.core.arrays import Floats, frozen
 from studykit.core.errors import InputError
 from studykit.figures import style
 from studykit.figures.samples import mean_interval
+from studykit.motion import energy, kinematics
+from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
 
 if TYPE_CHECKING:
@@ -19,10 +22,11 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
-    from studykit.figures.canvas import PaperFigure
+POSES = 8
+"""How many poses of a dance are shown."""
 
 _VIEW_RAD = np.deg2rad(25.0)  # a quarter view: kicks towards the viewer stay visible
-_STRIP_MM, _CURVE_MM, _TITLE_MM = 25.0, 11.5, 5.0
+_STRIP_MM, _CURVE_MM, _GAP_MM, _LEFT_MM = 26.0, 12.0, 5.0, 20.0
 _BONES = tuple((parent, joint) for joint, parent in enumerate(NEUTRAL_BODY.parents) if parent >= 0)
 _HEAD = NEUTRAL_BODY.index("head")
 _HEAD_RADIUS_M = 0.10
@@ -30,20 +34,14 @@ _HEAD_RADIUS_M = 0.10
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class DanceStrip:
-    """One dance as Figure 6 shows it: some of its poses, and two curves of those who danced it.
+    """One dance as Figure 6 shows it: its movement, and two curves of those who danced it.
 
     Parameters
     ----------
     condition : str
         For example "light-easy-on".
-    duration_s : float
-        Length of the dance, s.
-    poses : array_like, shape (pose, 24, 3), m
-        Joint positions in SMPL's order: Y up, the ground at height 0, pelvis above the origin.
-    pose_times_s : array_like, shape (pose,), s
-        When each pose comes.
-    intensity : array_like, shape (pose, 24)
-        How hard each joint works around each pose, in one unit for all dances.
+    motion : Motion
+        The dance.
     times_s : array_like, shape (time,), s
         Where the curves were sampled, from the start of the dance.
     heart_rate_bpm : array_like, shape (participant, time), beats a minute
@@ -53,43 +51,76 @@ class DanceStrip:
     """
 
     condition: str
-    duration_s: float
-    poses: Floats
-    pose_times_s: Floats
-    intensity: Floats
+    motion: Motion
     times_s: Floats
     heart_rate_bpm: Floats
     distance_m: Floats
 
     def __post_init__(self) -> None:
-        joints, poses, times = len(NEUTRAL_BODY.joint_names), len(self.poses), len(self.times_s)
-        shapes: dict[str, tuple[int | None, ...]] = {
-            "poses": (poses, joints, 3),
-            "pose_times_s": (poses,),
-            "intensity": (poses, joints),
-            "times_s": (times,),
-            "heart_rate_bpm": (None, times),
-            "distance_m": (None, times),
-        }
-        for name, shape in shapes.items():
+        times = len(self.times_s)
+        for name, shape in (
+            ("times_s", (times,)),
+            ("heart_rate_bpm", (None, times)),
+            ("distance_m", (None, times)),
+        ):
             object.__setattr__(self, name, frozen(getattr(self, name), shape=shape, name=name))
 
 
-def four_dances(strips: Sequence[DanceStrip], *, simulated: bool) -> Figure:
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Poses:
+    """Some poses of a dance, and how hard each joint works around them.
+
+    Parameters
+    ----------
+    times_s : ndarray, shape (pose,), s
+    positions : ndarray, shape (pose, 24, 3), m
+        Pelvis above the origin, lowest joint of the dance at height 0.
+    intensity : ndarray, shape (pose, 24), J per kg
+        Linear and rotational energy (Eq. 8 and 11), averaged over the poses of the stretch of the dance
+        around this one.
+    """
+
+    times_s: Floats
+    positions: Floats
+    intensity: Floats
+
+
+def poses(motion: Motion, *, count: int = POSES) -> Poses:
+    """Choose poses evenly from a dance: the middle one of each of `count` equal stretches."""
+    edges = np.round(np.linspace(0, len(motion), count + 1)).astype(int)
+    middles = (edges[:-1] + edges[1:]) // 2
+    world = kinematics.joint_positions(motion)
+    centred = kinematics.centred_positions(motion.skeleton, motion.rotations)
+    rate = motion.frame_rate_hz
+    intensity = [
+        (
+            energy.linear_energy(centred[first:last], rate)
+            + energy.rotational_energy(motion.rotations[first:last], rate)
+        )
+        / (last - first)
+        for first, last in pairwise(edges)
+    ]
+    positions = world[middles] - world[middles][:, :1] * [1.0, 0.0, 1.0]
+    positions[..., 1] -= world[..., 1].min()
+    return Poses(times_s=middles / rate, positions=positions, intensity=np.array(intensity))
+
+
+def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: bool = False) -> Figure:
     """Show dances as strips of poses above heart rate and movement distance over time (Figure 6).
 
     Parameters
     ----------
     strips : sequence of DanceStrip
-        One a row, from top to bottom; all share one colour scale, one ground line a strip and the axes of
-        their curves.
+        One a row, from top to bottom; all share one colour scale and the axes of their curves.
     simulated : bool
         Whether people or devices were simulated.
+    synthetic : bool, optional
+        Whether any of the dances was made up rather than danced by a person.
 
     Returns
     -------
     Figure
-        Bones are coloured by the intensity of the joint that they move, divided by the highest of all
+        Each half of a bone has the colour of its joint: that joint's energy divided by the highest of all
         joints, poses and dances. Curves: mean over participants with its 95 % interval.
 
     Raises
@@ -99,102 +130,110 @@ def four_dances(strips: Sequence[DanceStrip], *, simulated: bool) -> Figure:
     """
     if not strips:
         raise InputError("there is no dance to show", where="figure 6", remedy="give at least one strip")
-    highest = max(float(strip.intensity.max()) for strip in strips) or 1.0
+    shown = [poses(strip.motion) for strip in strips]
+    highest = max(float(one.intensity.max()) for one in shown) or 1.0
+    row_mm = _STRIP_MM + 2.0 * _CURVE_MM + _GAP_MM
     with style.in_style():
-        height = 14.0 + len(strips) * (_STRIP_MM + 2 * _CURVE_MM + _TITLE_MM)
-        figure = style.sheet(width_mm=style.PAGE_MM, height_mm=height, simulated=simulated)
-        colours = _colours()
-        rows = figure.add_gridspec(
-            3 * len(strips), 1, height_ratios=[_STRIP_MM + _TITLE_MM, _CURVE_MM, _CURVE_MM] * len(strips)
+        figure = style.sheet(
+            width_mm=style.PAGE_MM,
+            height_mm=16.0 + len(strips) * row_mm,
+            simulated=simulated,
+            synthetic=synthetic,
         )
-        curves: list[list[Axes]] = [[], []]
-        bodies = []
-        for row, strip in enumerate(strips):
-            poses, heart, distance = (figure.add_subplot(rows[3 * row + part]) for part in range(3))
-            _draw_poses(poses, strip, highest, colours)
+        colours = _colours()
+        grid = figure.add_gridspec(
+            3 * len(strips), 1, height_ratios=[_STRIP_MM + _GAP_MM, _CURVE_MM, _CURVE_MM] * len(strips)
+        )
+        panels = [
+            [figure.add_subplot(grid[3 * row + part]) for part in range(3)] for row in range(len(strips))
+        ]
+        for strip, bodies, (top, heart, distance) in zip(strips, shown, panels, strict=True):
+            _draw_poses(top, strip, bodies, lambda joint: colours.to_rgba(joint / highest))
             _draw_curve(heart, strip, strip.heart_rate_bpm, "Heart rate\n(beats/min)")
             _draw_curve(distance, strip, strip.distance_m, "DTW\n(m)")
             heart.tick_params(labelbottom=False)
-            distance.tick_params(labelbottom=row == len(strips) - 1)
-            bodies.append(poses)
-            curves[0].append(heart)
-            curves[1].append(distance)
-        for same in curves:
-            _share_height(same)
-        curves[1][-1].set_xlabel("Time in the dance (s)")
+            distance.tick_params(labelbottom=distance is panels[-1][2])
+        for part in (1, 2):
+            _share_height([row[part] for row in panels])
+        panels[-1][2].set_xlabel("Time in the dance (s)")
         figure.align_ylabels()
-        _draw_scale(figure, colours, bodies)
+        _draw_scale(figure, colours)
     return figure
 
 
 def _colours() -> ScalarMappable:
+    import matplotlib as mpl
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 
-    import matplotlib as mpl
-
-    # The palest tenth is cut off: it would vanish on paper. The square root lets light dances show.
+    # The palest part is cut off: it would vanish on paper. The square root lets light dances show.
     shades = mpl.colormaps[style.INTENSITY_MAP](np.linspace(0.08, 0.92, 256))
     return ScalarMappable(
         PowerNorm(0.5, vmin=0.0, vmax=1.0), LinearSegmentedColormap.from_list("intensity", shades)
     )
 
 
-def _draw_poses(axes: Axes, strip: DanceStrip, highest: float, colours: ScalarMappable) -> None:
+def _draw_poses(axes: Axes, strip: DanceStrip, bodies: Poses, colour_of: Any) -> None:
     from matplotlib.collections import LineCollection
 
-    intensity, variety, *_ = strip.condition.split("-")
-    axes.set_title(f"{intensity.capitalize()} – {variety.capitalize()}", fontweight="bold", pad=2.0)
-    turn = np.array([[np.cos(_VIEW_RAD), 0.0, -np.sin(_VIEW_RAD)], [np.sin(_VIEW_RAD), 0.0, np.cos(_VIEW_RAD)]])
-    metres_to_s = _seconds_a_metre(strip)
-    for pose, time_s, share in zip(
-        strip.poses, strip.pose_times_s, strip.intensity / highest, strict=True
-    ):
-        across, depth = turn @ pose.T
-        screen = np.column_stack((time_s + across * metres_to_s, pose[:, 1]))
-        order = sorted(_BONES, key=lambda bone: float(depth[bone[0]] + depth[bone[1]]))
-        lines = [screen[list(bone)] for bone in order]
-        worked = colours.to_rgba(np.array([share[joint] for _, joint in order]))
-        axes.add_collection(LineCollection(lines, colors=style.INK, linewidths=3.4, capstyle="round"))
-        axes.add_collection(LineCollection(lines, colors=worked, linewidths=2.5, capstyle="round"))
-        _draw_head(axes, screen[_HEAD], metres_to_s, colours.to_rgba(share[_HEAD]))
+    duration_s = strip.motion.duration_s
+    axes.set_title(style.words(strip.condition), fontweight="bold", pad=1.0)
+    across, away = (np.cos(_VIEW_RAD), -np.sin(_VIEW_RAD)), (np.sin(_VIEW_RAD), np.cos(_VIEW_RAD))
+    top_m = max(1.85, float(bodies.positions[..., 1].max()) + 0.12)
+    # Bodies are as wide as they are tall: the strip's axes show seconds across and metres up.
+    seconds_a_metre = duration_s / (style.PAGE_MM - _LEFT_MM) * _STRIP_MM / (top_m + 0.06)
+    for time_s, body, work in zip(bodies.times_s, bodies.positions, bodies.intensity, strict=True):
+        flat = body[:, [0, 2]]
+        screen = np.column_stack((time_s + flat @ across * seconds_a_metre, body[:, 1]))
+        depth = flat @ away
+        halves = [
+            (near, (screen[near] + screen[far]) / 2.0)
+            for bone in sorted(_BONES, key=lambda bone: float(depth[list(bone)].sum()))
+            for near, far in (bone, bone[::-1])
+        ]
+        lines = [(screen[joint], middle) for joint, middle in halves]
+        shades = colour_of(work[[joint for joint, _ in halves]])
+        axes.add_collection(LineCollection(lines, colors=style.INK, linewidths=3.2, capstyle="round"))
+        axes.add_collection(LineCollection(lines, colors=shades, linewidths=2.3, capstyle="round"))
+        _draw_head(axes, screen[_HEAD], seconds_a_metre, colour_of(work[_HEAD]))
     axes.axhline(0.0, color=style.INK, linewidth=0.7, zorder=0)
-    top = max(1.95, float(strip.poses[..., 1].max()) + 0.12)
-    axes.set(xlim=(0.0, strip.duration_s), ylim=(-0.06, top), xticks=[], yticks=[])
+    axes.set(xlim=(0.0, duration_s), ylim=(-0.06, top_m), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
 
 
-def _seconds_a_metre(strip: DanceStrip) -> float:
-    """Scale bodies sideways as upright: the strip's axes show seconds across and metres up."""
-    metres_up_a_mm = 2.0 / _STRIP_MM
-    seconds_across_a_mm = strip.duration_s / (style.PAGE_MM - 34.0)
-    return seconds_across_a_mm / metres_up_a_mm
-
-
-def _draw_head(axes: Axes, centre: Floats, metres_to_s: float, colour: Any) -> None:
+def _draw_head(axes: Axes, centre: Floats, seconds_a_metre: float, colour: Any) -> None:
     from matplotlib.patches import Ellipse
 
-    width, height = 2.0 * _HEAD_RADIUS_M * metres_to_s, 2.0 * _HEAD_RADIUS_M
-    middle = (float(centre[0]), float(centre[1]) + 0.05)
-    axes.add_patch(Ellipse(middle, width, height, facecolor=colour, edgecolor=style.INK, lw=0.5, zorder=3))
+    axes.add_patch(
+        Ellipse(
+            (float(centre[0]), float(centre[1]) + 0.05),
+            2.0 * _HEAD_RADIUS_M * seconds_a_metre,
+            2.0 * _HEAD_RADIUS_M,
+            facecolor=colour,
+            edgecolor=style.INK,
+            linewidth=0.5,
+            zorder=3,
+        )
+    )
 
 
 def _draw_curve(axes: Axes, strip: DanceStrip, values: Floats, axis_label: str) -> None:
     style.rule(axes)
-    colour = style.INTENSITY.get(strip.condition.split("-", maxsplit=1)[0], style.INK)
     intervals = [mean_interval(column) for column in values.T]
     axes.fill_between(
         strip.times_s,
         [interval.low for interval in intervals],
         [interval.high for interval in intervals],
-        color=colour,
-        alpha=0.22,
+        color=style.colour(strip.condition),
+        alpha=0.25,
         linewidth=0.0,
     )
-    axes.plot(strip.times_s, [interval.mean for interval in intervals], color=colour, linewidth=1.1)
-    axes.set_xlim(0.0, strip.duration_s)
-    axes.set_xticks(np.arange(0.0, strip.duration_s + 0.1, 4.0))
-    axes.set_ylabel(axis_label, fontsize=6.5, rotation=0, ha="right", va="center")
+    means = [interval.mean for interval in intervals]
+    axes.plot(strip.times_s, means, color=style.colour(strip.condition), linewidth=1.1)
+    duration_s = strip.motion.duration_s
+    axes.set_xlim(0.0, duration_s)
+    axes.set_xticks(np.arange(0.0, duration_s + 0.1, 4.0 if duration_s <= 64.0 else 16.0))
+    axes.set_ylabel(axis_label, fontsize=7.0, rotation=0, ha="right", va="center")
 
 
 def _share_height(axes: Sequence[Axes]) -> None:
@@ -202,10 +241,11 @@ def _share_height(axes: Sequence[Axes]) -> None:
     high = max(one.get_ylim()[1] for one in axes)
     for one in axes:
         one.set_ylim(low, high)
+        one.locator_params(axis="y", nbins=3)
 
 
-def _draw_scale(figure: PaperFigure, colours: ScalarMappable, bodies: Sequence[Axes]) -> None:
+def _draw_scale(figure: Figure, colours: ScalarMappable) -> None:
     bar = figure.colorbar(colours, ax=list(figure.axes), location="bottom", shrink=0.4, aspect=38, pad=0.01)
-    bar.set_label("Joint intensity (share of the highest of all joints, poses and dances)", fontsize=7.0)
+    bar.set_label("Joint energy, as a share of the highest of all joints and poses")
     bar.set_ticks([0.0, 0.1, 0.25, 0.5, 1.0])
-    bar.outline.set_linewidth(0.5)  # type: ignore[operator]
+    bar.ax.minorticks_off()

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from studykit.figures.canvas import PaperFigure
 
@@ -20,14 +19,16 @@ PAGE_MM = 180.0
 INK = "#222222"
 FAINT = "#8a8a8a"
 GRID = "#e4e4e4"
+WARNING = "#8a1c1c"
 # The pair of Okabe and Ito's palette that every common kind of colour vision tells apart, also in grey.
 INTENSITY = {"light": "#0072B2", "intense": "#D55E00"}
 MARKERS = {"easy": "o", "hard": "^"}
 INTENSITY_MAP = "inferno_r"
 
-SIMULATED_WORDS = "SIMULATED DATA"
+SIMULATED = "SIMULATED DATA"
+SYNTHETIC = "SYNTHETIC MOVEMENT"
 
-RC: dict[str, Any] = {
+RC: Any = {
     "axes.axisbelow": True,
     "axes.edgecolor": INK,
     "axes.labelcolor": INK,
@@ -67,7 +68,7 @@ def in_style() -> AbstractContextManager[None]:
     return mpl.rc_context(RC)
 
 
-def sheet(*, width_mm: float, height_mm: float, simulated: bool) -> PaperFigure:
+def sheet(*, width_mm: float, height_mm: float, simulated: bool, synthetic: bool = False) -> PaperFigure:
     """Give an empty figure, marked when what it will show was simulated.
 
     Parameters
@@ -76,40 +77,40 @@ def sheet(*, width_mm: float, height_mm: float, simulated: bool) -> PaperFigure:
         Size on paper, mm.
     simulated : bool
         Whether any of the data come from simulated people or devices.
+    synthetic : bool, optional
+        Whether any of the dances was made up rather than danced by a person.
     """
     from studykit.figures.canvas import PaperFigure
 
     figure = PaperFigure(width_mm=width_mm, height_mm=height_mm)
-    if simulated:
-        mark_simulated(figure)
+    marks = [words for words, is_meant in ((SIMULATED, simulated), (SYNTHETIC, synthetic)) if is_meant]
+    if marks:
+        figure.suptitle(" · ".join(marks), fontsize=7.0, fontweight="bold", color=WARNING, gid="mark")
     return figure
 
 
-def mark_simulated(figure: Figure) -> None:
-    """Write "SIMULATED DATA" across the top of a figure, so that no copy of it can lose the words."""
-    figure.suptitle(
-        SIMULATED_WORDS,
-        x=0.5,
-        fontsize=7.0,
-        fontweight="bold",
-        color="#8a1c1c",
-        gid="simulated-data",
-    )
-
-
-def rule(axes: Axes, *, along: str = "y") -> None:
+def rule(axes: Axes, *, at: Literal["x", "y"] = "y") -> None:
     """Draw faint lines behind the data at the ticks of one axis."""
-    axes.grid(visible=True, axis="x" if along == "x" else "y")
+    axes.grid(visible=True, axis=at)
     axes.tick_params(length=2.0)
 
 
-def label(condition: str) -> str:
-    """Give a condition as words on two lines for an axis: its intensity, then its variety.
+def words(condition: str, *, between: str = " – ") -> str:
+    """Give the intensity and the variety of a condition as words.
 
     Examples
     --------
-    >>> label("light-easy-on")
-    'Light\\nEasy'
+    >>> words("light-easy-on")
+    'Light – Easy'
     """
-    intensity, variety, *_ = condition.split("-")
-    return f"{intensity.capitalize()}\n{variety.capitalize()}"
+    return between.join(part.capitalize() for part in condition.split("-")[:2])
+
+
+def colour(condition: str) -> str:
+    """Give the colour of a condition: that of its intensity."""
+    return INTENSITY.get(condition.split("-", maxsplit=1)[0], INK)
+
+
+def marker(condition: str) -> str:
+    """Give the marker of a condition: that of its variety."""
+    return MARKERS.get(condition.split("-")[1], "o")
