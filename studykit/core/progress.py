@@ -16,6 +16,6 @@ class Progress(Protocol):
         ...
 
 
-def silent(items: Iterable[Item], *, label: str, total: int) -> Iterable[Item]:
+def silent(items: Iterable[Item], *, label: str, total: int) -> Iterable[Item]:  # noqa: ARG001
     """Pass items through and show nothing."""
     return items

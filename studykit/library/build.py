@@ -99,7 +99,7 @@ def read_takes(folder: Path, recipe: Recipe) -> Iterator[Take]:
     for path in takes_in(folder, recipe):
         name = _plain_name(path, folder)
         rule = recipe.rule(name)
-        assert rule is not None
+        assert rule is not None  # noqa: S101 - takes_in gives only these
         motion = to_smpl(
             read_bvh(path), recipe.skeleton, units_m=recipe.units_m, frame_rate_hz=rule.frame_rate_hz
         )
