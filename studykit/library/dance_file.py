@@ -67,7 +67,9 @@ def read_dance(folder: str | Path, condition: str) -> Dance:
     stem = Path(folder) / condition
     try:
         values = json.loads(stem.with_name(f"{condition}.json").read_text(encoding="utf-8"))
-        with np.load(stem.with_name(f"{condition}.npz"), allow_pickle=False) as saved:
+        # NumPy leaves an archive that it cannot read open; a file of our own is closed.
+        archive = stem.with_name(f"{condition}.npz")
+        with archive.open("rb") as file, np.load(file, allow_pickle=False) as saved:
             poses = saved["poses"]
             motion = Motion(
                 skeleton=NEUTRAL_BODY,

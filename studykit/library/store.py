@@ -173,7 +173,8 @@ def open_library(path: str | Path) -> DanceLibrary:
     folder = Path(path)
     manifest = read_manifest(folder)
     try:
-        with np.load(folder / "calibration.npz", allow_pickle=False) as saved:
+        # NumPy leaves an archive that it cannot read open; a file of our own is closed.
+        with (folder / "calibration.npz").open("rb") as file, np.load(file, allow_pickle=False) as saved:
             scaler = FeatureScaler(**{name: saved[name] for name in _SCALER})
             calibration = Calibration(
                 median_distance=float(saved["median_distance"]),

@@ -1,0 +1,137 @@
+"""Dances are written for three kinds of readers and read back as they were."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studykit.choreography.choreograph import dance
+from studykit.choreography.dance import Dance
+from studykit.choreography.goal import goal
+from studykit.choreography.preset import STUDYKIT
+from studykit.choreography.rjmcmc.schedule import Schedule
+from studykit.core.errors import InputError
+from studykit.io.bvh import read_bvh
+from studykit.io.protocol_file import read_protocol
+from studykit.io.skeleton_map import to_smpl
+from studykit.library import read_dances, write_dances
+from studykit.library.dance_file import read_dance
+from studykit.motion import kinematics, rotation
+from studykit.motion.skeleton import NEUTRAL_PELVIS
+from studykit.protocol.condition import Condition
+
+PROTOCOL = Path(__file__).parents[3] / "protocols" / "dance-2x2x2.toml"
+
+
+@pytest.fixture(scope="module")
+def made(made_library) -> Dance:
+    """Give a dance of 32 s that a short search finds: targets that any library reaches."""
+    library = made_library(12)
+    asked = goal(read_protocol(PROTOCOL).dance, Condition.parse("light-easy-on"), library)
+    energies = 8.0 * np.array(
+        [library.linear_energies.sum(axis=1).mean(), library.rotational_energies.sum(axis=1).mean()]
+    )
+    quick = replace(
+        STUDYKIT, schedule=Schedule.geometric(iterations=2000, start=0.3, end=0.002, start_width=6.0)
+    )
+    asked = replace(
+        asked,
+        linear_energy=energies[0],
+        rotational_energy=energies[1],
+        weights=asked.weights | {"variety": 0.0},
+        preset=quick,
+    )
+    return dance(asked, library, seed=3)
+
+
+@pytest.fixture(scope="module")
+def folder(made, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("dances") / "new"
+    write_dances({made.condition: made}, folder)
+    return folder
+
+
+def test_a_dance_comes_back_as_it_was(made, folder: Path) -> None:
+    again = read_dance(folder, "light-easy-on")
+    assert again.to_dict() | {"joints": {}} == made.to_dict() | {"joints": {}}
+    assert again.sha256 == made.sha256
+    assert again.trace == made.trace
+    assert len(again.motion) == 960
+    turned = rotation.between(made.motion.rotations, again.motion.rotations)
+    assert np.abs(turned).max() < 1e-7
+    assert again.motion.root_positions == pytest.approx(made.motion.root_positions, abs=1e-12)
+    assert list(read_dances(folder)) == ["light-easy-on"]
+
+
+def test_the_archive_is_that_of_amass(made, folder: Path) -> None:
+    with np.load(folder / "light-easy-on.npz", allow_pickle=False) as saved:
+        assert saved["poses"].shape == (960, 72)
+        assert saved["trans"].shape == (960, 3)
+        assert np.array_equal(saved["betas"], np.zeros(10))
+        assert str(saved["gender"]) == "neutral"
+        assert float(saved["mocap_framerate"]) == 30.0
+        # SMPL adds its own rest pelvis to the translation.
+        assert saved["trans"] + NEUTRAL_PELVIS == pytest.approx(made.motion.root_positions)
+
+
+def test_the_bvh_shows_the_same_dance(made, folder: Path) -> None:
+    shown = to_smpl(read_bvh(folder / "light-easy-on.bvh"), "smpl", units_m=0.01)
+    difference = kinematics.joint_positions(shown) - kinematics.joint_positions(made.motion)
+    assert np.abs(difference).max() < 1e-3
+    assert shown.duration_s == pytest.approx(32.0, rel=1e-6)
+
+
+def test_the_json_holds_every_number(made, folder: Path) -> None:
+    said = json.loads((folder / "light-easy-on.json").read_text())
+    assert said["condition"] == "light-easy-on"
+    assert said["is_synthetic"] is True
+    assert set(said["asked"]) == set(said["achieved"]) == set(said["achieved_blended"])
+    assert set(said["cost"]["terms"]) == {"duration", "transition", "variety", "linear", "rotational"}
+    assert len(said["segments"]) == 8
+    assert set(said["segments"][0]) == {"id", "take", "start_s", "mirrored", "licence"}
+    assert [join["displacement_m"] for join in said["joins"]] == list(made.displacements_m)
+    assert len(said["joints"]) == 24
+    elbow = said["joints"]["right_elbow"]
+    assert elbow["peak_rad_s"] > elbow["mean_rad_s"] > 0.0
+    assert said["library_sha256"] == "0" * 64
+    # What the segments ask for is exact; what is shown has its joins blended.
+    assert said["achieved_blended"]["linear_energy"] > 0.0
+    assert said["achieved"]["duration_s"] == said["achieved_blended"]["duration_s"] == 32.0
+
+
+def test_the_same_dance_gives_the_same_bytes(made, folder: Path, tmp_path: Path) -> None:
+    write_dances({made.condition: made}, tmp_path)
+    for path in folder.iterdir():
+        assert (tmp_path / path.name).read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".json"])
+@pytest.mark.parametrize("harm", ["gone", "cut", "empty", "{}"])
+def test_a_broken_dance_is_named(folder: Path, tmp_path: Path, suffix: str, harm: str) -> None:
+    for path in folder.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    path = tmp_path / f"light-easy-on{suffix}"
+    if harm == "gone":
+        path.unlink()
+    else:
+        path.write_bytes({"cut": path.read_bytes()[:3000], "empty": b"", "{}": b"{}"}[harm])
+    with pytest.raises(InputError) as caught:
+        read_dance(tmp_path, "light-easy-on")
+    assert str(caught.value).startswith(f"{tmp_path / 'light-easy-on'}: no dance can be read (")
+    assert str(caught.value).endswith("; make it again with 'studykit choreograph'.")
+
+
+def test_a_folder_without_dances(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no dances here; make them with"):
+        read_dances(tmp_path)
+
+
+def test_a_place_that_cannot_be_written(made, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(InputError, match=r"file/dances: cannot be written \(.*\); choose another folder\."):
+        write_dances({made.condition: made}, tmp_path / "file" / "dances")
+    assert (tmp_path / "file").read_text() == "mine"
