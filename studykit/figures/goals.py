@@ -16,10 +16,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from studykit.figures.canvas import PaperFigure
+
 _ENERGIES = (("linear_energy", "Linear energy"), ("rotational_energy", "Rotational energy"))
 
 
-def asked_and_achieved(dances: pd.DataFrame, *, body_mass_kg: float = DEFAULT_BODY_MASS_KG) -> Figure:
+def asked_and_achieved(dances: pd.DataFrame, *, body_mass_kg: float = DEFAULT_BODY_MASS_KG) -> PaperFigure:
     """Show how closely each dance met its goals.
 
     Parameters

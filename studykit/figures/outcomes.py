@@ -14,14 +14,15 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.container import ErrorbarContainer
-    from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
+
+    from studykit.figures.canvas import PaperFigure
 
 _CELL_WIDTH = 2.9
 _OFF_AT = 1.35
 
 
-def movement_by_condition(trials: pd.DataFrame) -> Figure:
+def movement_by_condition(trials: pd.DataFrame) -> PaperFigure:
     """Show how far the dancers' movements were from the guide's, condition by condition (Figure 7).
 
     Only the conditions with transition cost are shown, as in the study that this follows.
@@ -39,7 +40,7 @@ def movement_by_condition(trials: pd.DataFrame) -> Figure:
     return _by_condition(trials, "dtw_m", "Movement (DTW) distance (m)")
 
 
-def heart_rate_by_condition(trials: pd.DataFrame) -> Figure:
+def heart_rate_by_condition(trials: pd.DataFrame) -> PaperFigure:
     """Show how fast hearts beat while performing, condition by condition.
 
     Parameters
@@ -57,7 +58,7 @@ def heart_rate_by_condition(trials: pd.DataFrame) -> Figure:
 
 def smoothness_by_condition(
     trials: pd.DataFrame, *, scale: tuple[int, int] = (1, 7), question: str = "The dance was smooth."
-) -> Figure:
+) -> PaperFigure:
     """Show how smooth the dances were rated, each condition with and without transition cost (Figure 8).
 
     Parameters
@@ -98,7 +99,7 @@ def smoothness_by_condition(
     return figure
 
 
-def _by_condition(trials: pd.DataFrame, outcome: str, axis_label: str) -> Figure:
+def _by_condition(trials: pd.DataFrame, outcome: str, axis_label: str) -> PaperFigure:
     table = by_participant(valid_trials(trials, [outcome], transition="on"), outcome)
     values = table.to_numpy(float)
     with style.in_style():
@@ -108,7 +109,7 @@ def _by_condition(trials: pd.DataFrame, outcome: str, axis_label: str) -> Figure
         axes = figure.add_subplot()
         style.rule(axes)
         shifts = [beside_each_other(column, half_width=0.22) for column in values.T]
-        places: Floats = np.arange(values.shape[1]) + np.column_stack(shifts) - 0.08
+        places = np.asarray(np.arange(values.shape[1]) - 0.08 + np.column_stack(shifts), dtype=np.float64)
         axes.plot(places.T, values.T, color=style.FAINT, linewidth=0.35, alpha=0.35, zorder=1)
         for column, name in enumerate(table.columns):
             draw_participants(axes, places[:, column], values[:, column], name)

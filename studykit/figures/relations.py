@@ -17,8 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from studykit.figures.canvas import PaperFigure
 
-def heart_rate_against_energy(trials: pd.DataFrame, *, body_mass_kg: float = DEFAULT_BODY_MASS_KG) -> Figure:
+
+def heart_rate_against_energy(
+    trials: pd.DataFrame, *, body_mass_kg: float = DEFAULT_BODY_MASS_KG
+) -> PaperFigure:
     """Show how heart rate follows the energy of a dance, within each participant.
 
     Parameters
@@ -44,7 +48,7 @@ def heart_rate_against_energy(trials: pd.DataFrame, *, body_mass_kg: float = DEF
     )
 
 
-def movement_against_variety(trials: pd.DataFrame) -> Figure:
+def movement_against_variety(trials: pd.DataFrame) -> PaperFigure:
     """Show how movement distance follows the variety of a dance, within each participant.
 
     Parameters
@@ -64,7 +68,7 @@ def movement_against_variety(trials: pd.DataFrame) -> Figure:
     )
 
 
-def _within_participants(table: pd.DataFrame, x_label: str, y_label: str) -> Figure:
+def _within_participants(table: pd.DataFrame, x_label: str, y_label: str) -> PaperFigure:
     places = _places(table)
     half_width = 0.012 * (np.ptp(list(places.values())) or 1.0)
     with style.in_style():

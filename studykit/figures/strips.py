@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
+    from studykit.figures.canvas import PaperFigure
+
 POSES = 8
 """How many poses of a dance are shown."""
 
@@ -105,7 +107,7 @@ def poses(motion: Motion, *, count: int = POSES) -> Poses:
     return Poses(times_s=middles / rate, positions=positions, intensity=np.array(intensity))
 
 
-def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: bool = False) -> Figure:
+def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: bool = False) -> PaperFigure:
     """Show dances as strips of poses above heart rate and movement distance over time (Figure 6).
 
     Parameters
@@ -119,7 +121,7 @@ def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: boo
 
     Returns
     -------
-    Figure
+    PaperFigure
         Each half of a bone has the colour of its joint: that joint's energy divided by the highest of all
         joints, poses and dances. Curves: mean over participants with its 95 % interval.
 
@@ -229,7 +231,7 @@ def _draw_curve(axes: Axes, strip: DanceStrip, values: Floats, axis_label: str) 
         linewidth=0.0,
     )
     means = [interval.mean for interval in intervals]
-    axes.plot(strip.times_s, means, color=style.colour(strip.condition), linewidth=1.1)
+    axes.plot(strip.times_s, means, color=style.colour(strip.condition), linewidth=0.8)
     duration_s = strip.motion.duration_s
     axes.set_xlim(0.0, duration_s)
     axes.set_xticks(np.arange(0.0, duration_s + 0.1, 4.0 if duration_s <= 64.0 else 16.0))

@@ -1,0 +1,261 @@
+"""The figures of a study, drawn from its recordings and saved as files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from studykit import figures
+from studykit.choreography.dance import Dance
+from studykit.core.arrays import Floats
+from studykit.core.errors import InputError
+from studykit.figures.samples import ORDER
+from studykit.io.protocol_file import read_protocol
+from studykit.library.dance_file import read_dances
+from studykit.protocol.study_protocol import StudyProtocol
+from studykit.recording.session_record import SessionRecord, StepRecord, read_session
+from studykit.recording.study_folder import StudyFolder
+from studykit.reports.analyse import write
+from studykit.reports.place import AnyStudy, folder_of
+from studykit.reports.trial import movement_measures
+from studykit.reports.trials import dances, trials
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from studykit.figures.canvas import PaperFigure
+
+FORMATS = ("svg", "png")
+
+_CURVE_STEP_S = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """What the figures of a study are drawn from.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        Where it was recorded.
+    trials : DataFrame
+        One row a trial, with the columns of `trials.csv`.
+    """
+
+    folder: StudyFolder
+    trials: pd.DataFrame
+
+    @cached_property
+    def protocol(self) -> StudyProtocol:
+        """What was followed."""
+        return read_protocol(self.folder.protocol)
+
+    @cached_property
+    def dances(self) -> Mapping[str, Dance]:
+        """The dances that were shown."""
+        return read_dances(self.folder.dances)
+
+    @cached_property
+    def records(self) -> tuple[SessionRecord, ...]:
+        """The visits."""
+        return tuple(read_session(path) for path in self.folder.sessions())
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Drawing:
+    """A figure that can be asked for.
+
+    Parameters
+    ----------
+    name : str
+        Its number in the paper, or words.
+    caption : str
+        What it shows.
+    of : callable
+        Draws it.
+    """
+
+    name: str
+    caption: str
+    of: Callable[[Material], PaperFigure]
+
+    @property
+    def stem(self) -> str:
+        """The name of its files, without ending."""
+        return f"figure-{self.name}" if self.name.isdigit() else self.name
+
+
+def draw(study: AnyStudy, *, only: Sequence[str] | None = None) -> tuple[Path, ...]:
+    """Draw the figures of a study, each as SVG and as PNG.
+
+    Writes into the study's `derivatives/studykit/figures`; the same recordings give the same bytes.
+
+    Parameters
+    ----------
+    study : Study, StudyFolder, Path or str
+        Where it was recorded.
+    only : sequence of str, optional
+        Which figures: numbers of the paper, such as "7", or names. If not given, all for which something
+        was measured.
+
+    Returns
+    -------
+    tuple of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        If there is no such figure, nothing was recorded for one that was asked for, or a file cannot be
+        written.
+    """
+    wanted = chosen(only)
+    folder = folder_of(study)
+    material = Material(folder=folder, trials=trials(folder))
+    paths: list[Path] = []
+    for drawing in wanted:
+        try:
+            figure = drawing.of(material)
+        except InputError:
+            if only is not None:
+                raise
+            continue
+        paths += save(figure, folder.figures / drawing.stem)
+    return tuple(paths)
+
+
+def chosen(only: Sequence[str] | None) -> tuple[Drawing, ...]:
+    """Give the figures of these names, or all.
+
+    Raises
+    ------
+    InputError
+        If there is no such figure; it names those there are.
+    """
+    if only is None:
+        return DRAWINGS
+    by_name = {drawing.name: drawing for drawing in DRAWINGS}
+    for name in only:
+        if name not in by_name:
+            raise InputError(f'there is no figure "{name}"', remedy=f"choose from {', '.join(by_name)}")
+    return tuple(by_name[name] for name in dict.fromkeys(only))
+
+
+def save(figure: PaperFigure, stem: Path) -> tuple[Path, ...]:
+    """Write a figure in every format, under one name."""
+    paths = tuple(stem.with_name(f"{stem.name}.{ending}") for ending in FORMATS)
+    for ending, path in zip(FORMATS, paths, strict=True):
+        write(path, figure.file_bytes(ending))
+    return paths
+
+
+def _four_dances(material: Material) -> PaperFigure:
+    names = [f"{cell}-on" for cell in ORDER if f"{cell}-on" in material.dances]
+    shown = [material.dances[name] for name in names]
+    return figures.four_dances(
+        [_strip(dance, material) for dance in shown],
+        simulated=any(record.simulated for record in material.records),
+        synthetic=any(dance.is_synthetic for dance in shown),
+    )
+
+
+def _strip(dance: Dance, material: Material) -> figures.DanceStrip:
+    """Put the curves of everybody who danced a dance to its end beneath it."""
+    times_s = np.arange(_CURVE_STEP_S / 2.0, dance.motion.duration_s, _CURVE_STEP_S)
+    hearts, distances = [], []
+    for record in material.records:
+        steps = [s for s in record.steps if s.phase == "perform" and s.condition == dance.condition]
+        complete = [step for step in steps if step.is_complete]
+        if not complete:
+            continue
+        step = complete[-1]  # a dance that was danced again counts as danced last
+        longest_gap_s = material.protocol.heart_rate.longest_gap_s
+        hearts.append(_standing(record, step.start_s + times_s, longest_gap_s))
+        distances.append(_distances(record, step, dance, material.protocol))
+    shape = (len(hearts), len(times_s))
+    return figures.DanceStrip(
+        condition=dance.condition,
+        motion=dance.motion,
+        times_s=times_s,
+        heart_rate_bpm=np.reshape(hearts, shape),
+        distance_m=np.reshape(distances, shape),
+    )
+
+
+def _standing(record: SessionRecord, times_s: Floats, longest_gap_s: float) -> Floats:
+    """Give the heart rate that stood at each moment, NaN where the belt had been silent for too long."""
+    is_reading = record.heart_rate_bpm > 0.0
+    read_s, readings = record.heart_rate_times_s[is_reading], record.heart_rate_bpm[is_reading]
+    latest = np.searchsorted(read_s, times_s, side="right") - 1
+    if not len(read_s):
+        return np.full(len(times_s), np.nan)
+    stands = (latest >= 0) & (times_s - read_s[latest] <= longest_gap_s)
+    return np.where(stands, readings[latest], np.nan)
+
+
+def _distances(record: SessionRecord, step: StepRecord, dance: Dance, protocol: StudyProtocol) -> Floats:
+    """Give the distance between dancer and guide as means over equal stretches of the dance."""
+    movement = movement_measures(record.frames(step.step), step.start_s, dance, protocol)
+    by_frame = movement.alignment.distance_by_frame_m
+    stretches = len(np.arange(_CURVE_STEP_S / 2.0, dance.motion.duration_s, _CURVE_STEP_S))
+    return np.array([part.mean() for part in np.array_split(by_frame, stretches)])
+
+
+def _smoothness(material: Material) -> PaperFigure:
+    asked = material.protocol.questionnaires.smoothness
+    return figures.smoothness_by_condition(material.trials, scale=asked.scale, question=asked.text)
+
+
+_INTERVALS = "Points are participants; black outlines are means with their 95 % interval (Student's t)."
+
+DRAWINGS: tuple[Drawing, ...] = (
+    Drawing(
+        name="6",
+        caption="The dances made with transition cost: poses from the middle of equal stretches of each "
+        "dance, each half of a bone in the colour of its joint's energy (linear and rotational) in that "
+        "stretch, on one scale for all joints and dances; below, heart rate and distance between dancer and "
+        "guide, mean over participants with its 95 % interval.",
+        of=_four_dances,
+    ),
+    Drawing(
+        name="7",
+        caption=f"Distance between dancer and guide (dynamic time warping), by condition. {_INTERVALS} "
+        "Lines join one participant's values.",
+        of=lambda material: figures.movement_by_condition(material.trials),
+    ),
+    Drawing(
+        name="8",
+        caption=f"Ratings of smoothness with and without transition cost. {_INTERVALS}",
+        of=_smoothness,
+    ),
+    Drawing(
+        name="heart-rate-by-condition",
+        caption=f"Mean heart rate while performing, by condition. {_INTERVALS} "
+        "Lines join one participant's values.",
+        of=lambda material: figures.heart_rate_by_condition(material.trials),
+    ),
+    Drawing(
+        name="heart-rate-against-energy",
+        caption=f"Mean heart rate against the energy of the dance. {_INTERVALS} Lines have the slope common "
+        "to all participants; conditions with nearly the same energy are moved apart.",
+        of=lambda material: figures.heart_rate_against_energy(material.trials),
+    ),
+    Drawing(
+        name="movement-against-variety",
+        caption=f"Distance between dancer and guide against the variety of the dance. {_INTERVALS} Lines "
+        "have the slope common to all participants; conditions with nearly the same variety are moved apart.",
+        of=lambda material: figures.movement_against_variety(material.trials),
+    ),
+    Drawing(
+        name="asked-and-achieved",
+        caption="What was asked of each dance, what its segments achieve, and what the dance as shown has, "
+        "with its joins.",
+        of=lambda material: figures.asked_and_achieved(dances(material.dances)),
+    ),
+)
+"""Every figure of a study, in order."""
