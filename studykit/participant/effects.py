@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from studykit.participant.movement import LARGEST_ERROR_M
 
 
 class _Planted(BaseModel):
@@ -80,11 +82,23 @@ class Effects(_Planted):
     smoothness: Response = Field(description="rating of smoothness before rounding, 1 to 7")
     enjoyment: Enjoyment
 
+    @field_validator("movement_error")
+    @classmethod
+    def _can_be_danced(cls, error: Response) -> Response:
+        largest_m = error.base + sum(max(added, 0.0) for added in (error.intense, error.hard, error.on))
+        if largest_m > LARGEST_ERROR_M:
+            raise ValueError(
+                f"{largest_m:.3f} m in one condition: a dancer can be {LARGEST_ERROR_M} m off on average"
+            )
+        return error
+
 
 PAPER = Effects(
     name="paper",
     effort=Response(base=0.30, intense=0.52, hard=0.06, person_sd=0.04, trial_sd=0.035),
-    movement_error=Response(base=0.13, intense=0.02, hard=0.06, on=-0.02, person_sd=0.02, trial_sd=0.012),
+    movement_error=Response(
+        base=0.055, intense=0.012, hard=0.044, on=-0.008, person_sd=0.009, trial_sd=0.006
+    ),
     smoothness=Response(base=3.9, on=1.1, person_sd=0.8, trial_sd=0.9),
     enjoyment=Enjoyment(item_mean=5.95, person_sd=0.6, item_sd=0.8),
 )
@@ -93,7 +107,7 @@ PAPER = Effects(
 NONE = Effects(
     name="none",
     effort=Response(base=0.59, person_sd=0.04, trial_sd=0.035),
-    movement_error=Response(base=0.16, person_sd=0.02, trial_sd=0.012),
+    movement_error=Response(base=0.079, person_sd=0.009, trial_sd=0.006),
     smoothness=Response(base=4.45, person_sd=0.8, trial_sd=0.9),
     enjoyment=Enjoyment(item_mean=4.0, person_sd=0.6, item_sd=0.8),
 )

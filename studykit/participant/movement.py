@@ -1,79 +1,56 @@
-"""How a simulated person dances: late, not quite as shown, and in a body of their own."""
+"""How a simulated person misses a movement: late, and with joints that are turned a little wrong."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from studykit.core.arrays import Floats
-from studykit.participant.person import Person
 
-_GUIDE_HEIGHT_M = 1.70
+LARGEST_TURN_RAD = 1.0
+"""Root mean square of the wrong turns of a shoulder, rad; who errs more does not copy a dance any more."""
+
+LARGEST_ERROR_M = 0.135
+"""Mean distance from the guide that people of all sizes reach with such turns, m."""
+
 _SHORTEST_DELAY_S, _LONGEST_DELAY_S = 0.1, 0.3
 _DELAY_DRIFT_S, _DELAY_DRIFT_TIME_S = 0.02, 8.0
+_CORRELATION_S = (0.5, 1.0)
 
-# Hands and feet stray further from the guide than the trunk; SMPL's order of 24 joints, trunk to hands.
-_SHARES_24 = np.repeat(
-    (0.3, 0.35, 0.9, 0.4, 1.2, 0.45, 1.4, 0.5, 0.8, 0.6, 1.3, 1.9, 2.1),
-    (1, 3, 2, 1, 2, 1, 2, 3, 1, 2, 2, 2, 2),
-)
+# Wrong turns of each joint as shares of a shoulder's. Arms and legs stray, the trunk hardly does; nothing
+# hangs on hands and feet.
+_SHARES = {
+    "pelvis": 0.08,
+    "hip": 0.65,
+    "spine1": 0.12,
+    "knee": 0.75,
+    "spine2": 0.12,
+    "ankle": 0.4,
+    "spine3": 0.12,
+    "foot": 0.0,
+    "neck": 0.3,
+    "collar": 0.15,
+    "head": 0.3,
+    "shoulder": 1.0,
+    "elbow": 1.0,
+    "wrist": 0.4,
+    "hand": 0.0,
+}
 
 
-def perform(
-    guide: Floats, person: Person, error_m: float, rng: np.random.Generator, *, frame_rate_hz: float = 30.0
+def wrong_turns(
+    joint_names: Sequence[str], frames: int, rng: np.random.Generator, *, frame_rate_hz: float
 ) -> Floats:
-    """Dance along with a guide.
+    """Draw how every joint is turned wrong: smoothly, each on its own.
 
     Parameters
     ----------
-    guide : ndarray, shape (frame, joint, 3), m
-        What is shown; the floor lies at a height of 0.
-    person : Person
-        Who dances.
-    error_m : float
-        Mean distance of the joints from where they should be, m; it does not depend on the dance.
-    rng : numpy.random.Generator
-        Errors and delays.
-    frame_rate_hz : float, optional
-        Frames a second.
-
-    Returns
-    -------
-    ndarray, shape (frame, joint, 3), m
-        What is danced, at the times of the guide's frames.
-    """
-    copied = copy(own_size(guide, person), error_m, rng, frame_rate_hz=frame_rate_hz)
-    return delayed(
-        copied, delays_s(len(guide), rng, frame_rate_hz=frame_rate_hz), frame_rate_hz=frame_rate_hz
-    )
-
-
-def own_size(guide: Floats, person: Person) -> Floats:
-    """Scale a movement from the guide's body to that of a person.
-
-    Parameters
-    ----------
-    guide : ndarray, shape (frame, joint, 3), m
-        The movement of a body of 1.70 m.
-    person : Person
-        Whose height counts.
-
-    Returns
-    -------
-    ndarray, shape (frame, joint, 3), m
-    """
-    return guide * (person.height_m / _GUIDE_HEIGHT_M)
-
-
-def copy(intended: Floats, error_m: float, rng: np.random.Generator, *, frame_rate_hz: float) -> Floats:
-    """Miss a movement by a given distance, smoothly, each joint on its own.
-
-    Parameters
-    ----------
-    intended : ndarray, shape (frame, joint, 3), m
-        Where the joints should be.
-    error_m : float
-        Mean distance over frames and joints, m; the result has it exactly.
+    joint_names : sequence of str
+        SMPL's names of the joints.
+    frames : int
+        Number of frames.
     rng : numpy.random.Generator
         The errors. Their correlation falls to 1/e within 0.5 to 1 s.
     frame_rate_hz : float
@@ -81,15 +58,16 @@ def copy(intended: Floats, error_m: float, rng: np.random.Generator, *, frame_ra
 
     Returns
     -------
-    ndarray, shape (frame, joint, 3), m
+    ndarray, shape (frame, joint, 3), rad
+        Rotation vectors in each joint's own axes, 1 rad (root mean square) at the shoulders, less at the
+        other joints: to be made smaller until a dancer is as far from the guide as wanted.
     """
-    frames, joints, _ = intended.shape
-    shares = _SHARES_24 if joints == len(_SHARES_24) else np.ones(joints)
-    error = np.stack(
-        [_smooth_noise((frames, 3), rng.uniform(0.5, 1.0) * frame_rate_hz, rng) * share for share in shares],
-        axis=1,
-    )
-    return np.asarray(intended + error * (error_m / np.linalg.norm(error, axis=-1).mean()))
+    turns = np.zeros((frames, len(joint_names), 3))
+    for joint, name in enumerate(joint_names):
+        noise = _smooth_noise((frames, 3), rng.uniform(*_CORRELATION_S) * frame_rate_hz, rng)
+        rms = np.sqrt(np.mean(np.sum(noise**2, axis=-1)))
+        turns[:, joint] = _SHARES[name.split("_")[-1]] / rms * noise
+    return turns
 
 
 def delays_s(frames: int, rng: np.random.Generator, *, frame_rate_hz: float) -> Floats:
@@ -111,29 +89,6 @@ def delays_s(frames: int, rng: np.random.Generator, *, frame_rate_hz: float) -> 
     drift = _smooth_noise((frames, 1), _DELAY_DRIFT_TIME_S * frame_rate_hz, rng)[:, 0]
     delays = rng.uniform(_SHORTEST_DELAY_S, _LONGEST_DELAY_S) + _DELAY_DRIFT_S * drift
     return np.clip(delays, _SHORTEST_DELAY_S, _LONGEST_DELAY_S)
-
-
-def delayed(positions: Floats, delay_s: Floats, *, frame_rate_hz: float) -> Floats:
-    """Show a movement late; before it begins, its first pose is held.
-
-    Parameters
-    ----------
-    positions : ndarray, shape (frame, joint, 3), m
-        The movement.
-    delay_s : ndarray, shape (frame,), s
-        Delay of each frame, 0 or more.
-    frame_rate_hz : float
-        Frames a second.
-
-    Returns
-    -------
-    ndarray, shape (frame, joint, 3), m
-    """
-    last = len(positions) - 1
-    at = np.clip(np.arange(last + 1) - delay_s * frame_rate_hz, 0.0, last)
-    before = np.floor(at).astype(np.int64)
-    share = (at - before)[:, None, None]
-    return np.asarray((1.0 - share) * positions[before] + share * positions[np.minimum(before + 1, last)])
 
 
 def _smooth_noise(shape: tuple[int, int], correlation_frames: float, rng: np.random.Generator) -> Floats:

@@ -6,12 +6,14 @@ import numpy as np
 
 from studykit.core.arrays import Floats
 from studykit.core.seeding import stream
-from studykit.motion.kinematics import centred_positions
+from studykit.motion import rotation
+from studykit.motion.kinematics import centred_positions, joint_positions
+from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
 from studykit.participant.effects import Effects
 from studykit.participant.heart_rate_kinetics import Heart
-from studykit.participant.movement import own_size
 from studykit.participant.person import Person
+from studykit.session.simulated_movement import own_size
 
 
 class SimulatedParticipant:
@@ -32,7 +34,7 @@ class SimulatedParticipant:
     def __init__(self, person: Person, effects: Effects, *, seed: int, session: str) -> None:
         self.person, self.effects = person, effects
         self._seed, self._session = seed, session
-        self._frames = standing(person)[None]
+        self._frames = joint_positions(standing(person))
         self._start_s, self._frame_rate_hz = 0.0, 1.0
         self._heart: Heart | None = None
 
@@ -77,10 +79,25 @@ class SimulatedParticipant:
         return np.asarray((1.0 - share) * self._frames[before] + share * self._frames[after])
 
 
-def standing(person: Person) -> Floats:
-    """Give a person who stands with the arms held out, feet on the floor, shape (joint, 3), m."""
-    still = np.zeros((len(NEUTRAL_BODY.joint_names), 4))
-    still[:, 0] = 1.0
-    positions = centred_positions(NEUTRAL_BODY, still)
-    positions[:, 1] -= positions[:, 1].min()
-    return own_size(positions, person)
+def standing(person: Person, *, frames: int = 1, frame_rate_hz: float = 30.0) -> Motion:
+    """Let a person stand still with the arms held out, feet on the floor.
+
+    Parameters
+    ----------
+    person : Person
+        Who stands.
+    frames : int, optional
+        For how many frames.
+    frame_rate_hz : float, optional
+        Frames a second.
+
+    Returns
+    -------
+    Motion
+        In the person's own size.
+    """
+    still = rotation.identity(frames, len(NEUTRAL_BODY.joint_names))
+    root = np.zeros((frames, 3))
+    root[:, 1] = -centred_positions(NEUTRAL_BODY, still[0])[:, 1].min()
+    motion = Motion(skeleton=NEUTRAL_BODY, rotations=still, root_positions=root, frame_rate_hz=frame_rate_hz)
+    return own_size(motion, person)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from studykit.motion.kinematics import joint_positions
-from studykit.participant.movement import perform
+from studykit.participant.movement import LARGEST_ERROR_M
 from studykit.session.plan import PlannedStep
+from studykit.session.simulated_movement import perform
 from studykit.session.simulated_participant import SimulatedParticipant
 from studykit.session.step import Reply, ShownDance
 
@@ -51,9 +52,9 @@ class Perform:
         """Dance as well, and work as hard, as the planted effects say for this condition and person."""
         person, effects, condition = participant.person, participant.effects, self.dance.condition
         effort = effects.effort.draw(condition, person.exertion, rng)
-        error_m = max(effects.movement_error.draw(condition, -person.skill, rng), _LEAST_ERROR_M)
+        drawn_m = effects.movement_error.draw(condition, -person.skill, rng)
+        error_m = min(max(drawn_m, _LEAST_ERROR_M), LARGEST_ERROR_M)
         participant.exert(effort, start_s)
-        motion = self.dance.motion
-        danced = perform(joint_positions(motion), person, error_m, rng, frame_rate_hz=motion.frame_rate_hz)
-        participant.move(danced, start_s=start_s, frame_rate_hz=motion.frame_rate_hz)
+        danced = perform(self.dance.motion, person, error_m, rng)
+        participant.move(joint_positions(danced), start_s=start_s, frame_rate_hz=danced.frame_rate_hz)
         return None

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studykit.participant.movement import copy
+from studykit.motion.kinematics import joint_positions
 from studykit.session.plan import PlannedStep
+from studykit.session.simulated_movement import copy
 from studykit.session.simulated_participant import SimulatedParticipant, standing
 from studykit.session.step import Reply
 
@@ -35,7 +36,7 @@ class Quiet:
         participant.exert(_DEMANDS[self.planned.phase], start_s)
         if self.is_filmed:
             frames = max(2, round((self.planned.duration_s or 0.0) * _FRAME_RATE_HZ))
-            still = np.repeat(standing(participant.person)[None], frames, axis=0)
-            swaying = copy(still, _SWAY_M, rng, frame_rate_hz=_FRAME_RATE_HZ)
-            participant.move(swaying, start_s=start_s, frame_rate_hz=_FRAME_RATE_HZ)
+            still = standing(participant.person, frames=frames, frame_rate_hz=_FRAME_RATE_HZ)
+            swaying = copy(still, _SWAY_M, rng)
+            participant.move(joint_positions(swaying), start_s=start_s, frame_rate_hz=_FRAME_RATE_HZ)
         return None

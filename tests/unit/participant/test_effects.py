@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from studykit.core.seeding import stream
 from studykit.participant.effects import NONE, PAPER, PLANTED, Effects, Response
+from studykit.participant.movement import LARGEST_ERROR_M
 
 CONDITIONS = ["-".join(levels) for levels in product(("light", "intense"), ("easy", "hard"), ("on", "off"))]
 OUTCOMES = ("effort", "movement_error", "smoothness")
@@ -45,9 +46,8 @@ def test_chance_is_the_same_with_and_without_effects() -> None:
     for outcome in OUTCOMES:
         with_effects, without = getattr(PAPER, outcome), getattr(NONE, outcome)
         assert (with_effects.person_sd, with_effects.trial_sd) == (without.person_sd, without.trial_sd)
-        assert np.mean([with_effects.expected(c) for c in CONDITIONS]) == pytest.approx(
-            without.base, abs=0.005
-        )
+        expected = np.mean([with_effects.expected(c) for c in CONDITIONS])
+        assert expected == pytest.approx(without.base, rel=0.01)
 
 
 def test_trials_of_one_person_vary_as_planted() -> None:
@@ -62,6 +62,22 @@ def test_trials_of_one_person_vary_as_planted() -> None:
 def test_what_is_planted_can_be_written_down(effects: Effects) -> None:
     assert PLANTED[effects.name] is effects
     assert Effects.model_validate(json.loads(json.dumps(effects.model_dump()))) == effects
+
+
+@pytest.mark.parametrize("effects", list(PLANTED.values()))
+def test_planted_errors_can_be_danced_by_nearly_everybody(effects: Effects) -> None:
+    error = effects.movement_error
+    expected = [error.expected(condition) for condition in CONDITIONS]
+    spread = 2.0 * np.hypot(error.person_sd, error.trial_sd)
+    assert min(expected) - spread > 0.01
+    assert max(expected) + spread < LARGEST_ERROR_M
+
+
+def test_an_error_that_cannot_be_danced_is_refused() -> None:
+    planted = PAPER.model_dump()
+    planted["movement_error"] |= {"base": 0.06, "intense": 0.05, "hard": 0.05, "on": -0.05}
+    with pytest.raises(ValidationError, match=r"0\.160 m in one condition: a dancer can be 0\.135 m off"):
+        Effects.model_validate(planted)
 
 
 def test_a_misspelt_or_negative_effect_is_refused() -> None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from studykit.motion.kinematics import joint_positions
 from studykit.motion.skeleton import JOINT_NAMES
 from studykit.participant.effects import PAPER
 from studykit.participant.person import cohort
@@ -26,12 +27,12 @@ def test_a_movement_is_shown_between_its_frames_and_its_ends_are_held(
 def test_one_stands_with_the_feet_on_the_floor_at_ones_own_height() -> None:
     small, tall = sorted(cohort(2, 1), key=lambda person: person.height_m)
     for person in (small, tall):
-        height = np.ptp(standing(person)[:, 1])
-        assert height == pytest.approx(
-            person.height_m * 0.88, rel=0.05
-        )  # the head joint lies below the crown
-        assert standing(person)[:, 1].min() == 0.0
-    assert standing(small)[JOINT_NAMES.index("left_hand"), 0] > 0.5
+        positions = joint_positions(standing(person))[0]
+        height = np.ptp(positions[:, 1])
+        # The head joint lies below the crown.
+        assert height == pytest.approx(person.height_m * 0.88, rel=0.05)
+        assert positions[:, 1].min() == pytest.approx(0.0, abs=1e-12)
+    assert joint_positions(standing(small))[0, JOINT_NAMES.index("left_hand"), 0] > 0.5
 
 
 def test_a_heart_is_heard_after_arrival_and_follows_an_effort(participant: SimulatedParticipant) -> None:
