@@ -19,8 +19,11 @@ class PaperFigure(Figure):
     """A matplotlib figure sized in millimetres that takes studykit's style with it.
 
     It belongs to no window and to no global state of matplotlib; a notebook shows it as the last value of
-    a cell. Saved files carry their fonts and no date, so equal data give equal bytes.
+    a cell. Saved files carry their fonts and no date, so equal data give equal bytes. `marks` says what in
+    it is simulated or made up.
     """
+
+    marks: tuple[str, ...] = ()
 
     def __init__(self, *, width_mm: float, height_mm: float) -> None:
         size = (width_mm / style.MM_PER_INCH, height_mm / style.MM_PER_INCH)

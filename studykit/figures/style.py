@@ -83,9 +83,10 @@ def sheet(*, width_mm: float, height_mm: float, simulated: bool, synthetic: bool
     from studykit.figures.canvas import PaperFigure
 
     figure = PaperFigure(width_mm=width_mm, height_mm=height_mm)
-    marks = [words for words, is_meant in ((SIMULATED, simulated), (SYNTHETIC, synthetic)) if is_meant]
-    if marks:
-        figure.suptitle(" · ".join(marks), fontsize=7.0, fontweight="bold", color=WARNING, gid="mark")
+    marks = ((SIMULATED, simulated), (SYNTHETIC, synthetic))
+    figure.marks = tuple(words for words, is_meant in marks if is_meant)
+    if figure.marks:
+        figure.suptitle(" · ".join(figure.marks), fontsize=7.0, fontweight="bold", color=WARNING, gid="mark")
     return figure
 
 

@@ -14,7 +14,9 @@ import numpy as np
 from studykit.analysis.tables import TRIALS, check
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
+from studykit.figures.style import MM_PER_INCH
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
+from studykit.protocol.condition import ALL_CONDITIONS
 from studykit.protocol.latin_square import assignment, balance
 from studykit.protocol.study_protocol import StudyProtocol
 from studykit.reports import numbers
@@ -76,6 +78,8 @@ class Drawn:
 
     drawing: Drawing
     svg_base64: str = ""
+    width_mm: float = 0.0
+    marks: tuple[str, ...] = ()
     problem: str = ""
 
 
@@ -86,7 +90,12 @@ def drawn(drawing: Drawing, material: Material) -> Drawn:
     except InputError as error:
         return Drawn(drawing=drawing, problem=str(error))
     svg, _ = save(figure, material.folder.figures / drawing.stem)
-    return Drawn(drawing=drawing, svg_base64=base64.b64encode(svg.read_bytes()).decode())
+    return Drawn(
+        drawing=drawing,
+        svg_base64=base64.b64encode(svg.read_bytes()).decode(),
+        width_mm=MM_PER_INCH * figure.get_figwidth(),
+        marks=figure.marks,
+    )
 
 
 def html(material: Material, results: dict[str, Any], figures: list[Drawn]) -> str:
@@ -111,7 +120,7 @@ def html(material: Material, results: dict[str, Any], figures: list[Drawn]) -> s
         for name in ("number", "percent", "bounded", "p_value", "p_cell", "interval")
     }
     template = resources.files("studykit.reports").joinpath("report.html.jinja").read_text(encoding="utf-8")
-    dances_table = dances(material.dances)
+    dances_table = dances({name: material.dances[name] for name in ALL_CONDITIONS if name in material.dances})
     return environment.from_string(template).render(
         protocol=material.protocol,
         results=results,
@@ -159,9 +168,9 @@ def _phases(protocol: StudyProtocol) -> list[dict[str, Any]]:
             ("train", session.train_s, 1),
             ("watch", dance_s, rounds * session.watch_repetitions),
             ("perform", dance_s, rounds * session.perform_repetitions),
-            ("smoothness", None, rounds),
+            ("rate the smoothness", None, rounds),
             ("rest", session.rest_s, rounds),
-            ("paces and demographics", None, 1),
+            ("questions about enjoyment and person", None, 1),
         )
         if times and seconds != 0.0
     ]
@@ -212,7 +221,7 @@ def _by_condition(material: Material) -> list[dict[str, Any]]:
     """Give heart rate and time at vigorous intensity over participants, condition by condition."""
     table = material.trials[material.trials["is_valid"].astype(bool)]
     rows = []
-    for name in material.protocol.conditions_list():
+    for name in sorted(material.protocol.conditions_list(), key=ALL_CONDITIONS.index):
         some = table[table["condition"] == name]
         mean = some["heart_rate_mean_bpm"]
         rows.append(
