@@ -6,9 +6,9 @@ import io
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from studykit.figures import style
 
@@ -34,7 +34,11 @@ class PaperFigure(Figure):
         """Write the figure in the style's fonts and without a date; the arguments are matplotlib's."""
         ending = options.get("format") or Path(str(fname)).suffix.lstrip(".")
         metadata = _UNDATED.get(ending, {}) | options.pop("metadata", {})
-        with mpl.rc_context(style.RC):
+        with style.in_style():
+            if isinstance(self.get_layout_engine(), ConstrainedLayoutEngine):
+                # Laid out once: another round would move things by a hair and change the bytes.
+                self.draw_without_rendering()
+                self.set_layout_engine("none")
             super().savefig(fname, metadata=metadata or None, **options)
 
     def file_bytes(self, file_format: str) -> bytes:

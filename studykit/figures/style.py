@@ -62,10 +62,10 @@ RC: Any = {
 
 
 def in_style() -> AbstractContextManager[None]:
-    """Draw in studykit's style inside a `with` block; matplotlib's own settings stay as they are."""
-    import matplotlib as mpl
+    """Draw in studykit's style inside a `with` block; the reader's settings neither matter nor change."""
+    from matplotlib import style
 
-    return mpl.rc_context(RC)
+    return style.context(["default", RC])
 
 
 def sheet(*, width_mm: float, height_mm: float, simulated: bool, synthetic: bool = False) -> PaperFigure:
