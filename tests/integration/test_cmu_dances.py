@@ -108,6 +108,14 @@ def test_knees_bend_the_right_way_and_toes_point_ahead(takes: dict[str, BvhTake]
     assert np.mean(np.sum(toes * ahead, axis=1) > 0.0) > 0.9
 
 
+@pytest.mark.parametrize("name", ["85_12", "85_14", "135_01"])
+def test_another_skeleton_of_the_same_people(shared_data: Callable[[str], Path], name: str) -> None:
+    take = read_bvh(shared_data(f"motion/cmu-fbx-keijiro/bvh/{name}.bvh.xz"))
+    positions = kinematics.joint_positions(to_smpl(take, "neo", units_m=0.01))
+    assert bends_right(positions) > 0.999
+    assert np.ptp(np.percentile(positions[:, 0, 1], [5, 95])) < 1.0  # metres, not centimetres
+
+
 def test_left_is_left_in_the_added_t_pose(takes: dict[str, BvhTake]) -> None:
     for take in takes.values():
         t_pose = kinematics.centred_positions(NEUTRAL_BODY, smpl(take).rotations[0])
@@ -177,6 +185,9 @@ def test_known_glitches_are_found_and_clean_takes_are_left_alone(yields: pd.Data
     for glitchy in ("indian/07", "salsa/10", "indian/04"):
         assert flagged[glitchy] > 0
     assert yields.loc["indian/07", "segments_kept"] < yields.loc["indian/07", "segments_possible"]
+    # One frame too hard, none too fast: it costs a segment all the same.
+    assert yields.loc["salsa/03", ["frames_speed", "frames_acceleration"]].tolist() == [0, 1]
+    assert yields.loc["salsa/03", "segments_kept"] < yields.loc["salsa/03", "segments_possible"]
     assert flagged["martial/08"] == 0  # a nearly still pose
     assert np.mean(flagged == 0) > 0.7
     # The printed rule flags every take, however clean.

@@ -39,6 +39,14 @@ def test_a_marker_that_jumps_for_one_frame_is_found(jump_m) -> None:
     assert np.flatnonzero(flags["acceleration"]).tolist() == [99, 100, 101]
 
 
+def test_a_short_jump_is_too_hard_without_being_too_fast() -> None:
+    positions = swinging()
+    positions[250, 9] += [0.0, 0.36, 0.0]  # while standing still: 10.8 m/s, 324 m/s2 and twice that
+    flags = cleaning.flagged(positions, RATE, "robust")
+    assert not flags["speed"].any()
+    assert np.flatnonzero(flags["acceleration"]).tolist() == [249, 250, 251]
+
+
 def test_a_marker_that_jumps_and_stays_is_found() -> None:
     positions = swinging()
     positions[150:, 20] += [0.0, 0.0, 0.6]

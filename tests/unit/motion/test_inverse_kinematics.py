@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from studykit.library import joint_limit
 from studykit.motion import kinematics, rotation
@@ -46,6 +47,22 @@ def test_pelvis_and_chest_are_found_as_they_were_turned() -> None:
     for joint in (0, NEUTRAL_BODY.index("spine3")):
         assert rotation.between(world[:, joint], found[:, joint]) == pytest.approx(
             np.zeros((50, 3)), abs=1e-6
+        )
+
+
+def test_bones_that_do_not_fit_are_turned_as_well_as_can_be() -> None:
+    # A camera's noise can turn three bones inside out; a body never is.
+    rng = np.random.default_rng(6)
+    positions = rng.normal(scale=0.3, size=(100, 24, 3))
+    found = rotations_from_positions(positions)[:, 0]
+    children = NEUTRAL_BODY.children(0)
+    rest, seen = NEUTRAL_BODY.offsets[list(children)], positions[:, list(children)] - positions[:, :1]
+    rest = rest / np.linalg.norm(rest, axis=-1, keepdims=True)
+    seen = seen / np.linalg.norm(seen, axis=-1, keepdims=True)
+    for frame in range(100):
+        best = Rotation.align_vectors(seen[frame], rest)[0].as_quat(scalar_first=True)
+        assert rotation.log(rotation.multiply(rotation.inverse(best), found[frame])) == pytest.approx(
+            np.zeros(3), abs=1e-5
         )
 
 
