@@ -63,10 +63,11 @@ def wrong_turns(
         other joints: to be made smaller until a dancer is as far from the guide as wanted.
     """
     turns = np.zeros((frames, len(joint_names), 3))
-    for joint, name in enumerate(joint_names):
+    shares = [_SHARES[name.split("_")[-1]] for name in joint_names]
+    for joint in np.flatnonzero(shares):
         noise = _smooth_noise((frames, 3), rng.uniform(*_CORRELATION_S) * frame_rate_hz, rng)
         rms = np.sqrt(np.mean(np.sum(noise**2, axis=-1)))
-        turns[:, joint] = _SHARES[name.split("_")[-1]] / rms * noise
+        turns[:, joint] = shares[joint] / rms * noise
     return turns
 
 

@@ -14,8 +14,8 @@ from studykit.participant.movement import LARGEST_TURN_RAD, delays_s, wrong_turn
 from studykit.participant.person import Person
 
 _GUIDE_HEIGHT_M = 1.70
-_SIZES = np.linspace(0.0, LARGEST_TURN_RAD, 9)  # of turns, between which distances are interpolated
-_FRAMES_TRIED = 160
+_SIZES = np.linspace(0.0, LARGEST_TURN_RAD, 5)  # of turns, between which distances are interpolated
+_FRAMES_TRIED = 120
 
 
 def perform(guide: Motion, person: Person, error_m: float, rng: np.random.Generator) -> Motion:
@@ -135,4 +135,5 @@ def _size_of_turns(intended: Motion, turns: Floats, error_m: float) -> float:
             f"error_m is {error_m:.3f}, expected 0 to {distances_m[-1]:.3f}: "
             f"the shoulders turn wrong by at most {LARGEST_TURN_RAD:g} rad (root mean square)"
         )
-    return float(np.interp(error_m, distances_m, _SIZES))
+    through_all = np.polynomial.Polynomial.fit(distances_m, _SIZES, deg=len(_SIZES) - 1)
+    return float(through_all(error_m))
