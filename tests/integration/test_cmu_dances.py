@@ -223,13 +223,13 @@ def test_features_are_standard_over_the_whole_library(library: DanceLibrary) -> 
 
 
 def test_six_takes_built_twice_give_the_same_bytes(cmu: Path, tmp_path: Path) -> None:
-    names = ("salsa/01", "salsa/16", "salsa/25", "indian/04", "martial/04", "martial/07")
+    names = ("salsa/10", "salsa/25", "indian/13", "martial/04", "martial/07", "martial/08")
     for name in names:
         link = tmp_path / "takes" / f"{name}.bvh.xz"
         link.parent.mkdir(parents=True, exist_ok=True)
         link.symlink_to(cmu / f"{name}.bvh.xz")
     for out in ("one", "two"):
-        build(tmp_path / "takes", tmp_path / out, find_recipe(tmp_path / "takes"), seed=3)
+        build(tmp_path / "takes", tmp_path / out, find_recipe(cmu), seed=3)
     first, second = (
         {path.name: path.read_bytes() for path in (tmp_path / out).iterdir()} for out in ("one", "two")
     )

@@ -110,12 +110,17 @@ class Toy:
         return probability
 
     @cache  # noqa: B019 - toys live as long as the tests
+    def outcomes(self) -> list[dict]:
+        """Give all that one move can make of each dance."""
+        return [proposals(self.moves, now) for now in self.sequences]
+
+    @cache  # noqa: B019
     def matrix(self, rule: str) -> np.ndarray:
         """Give the probability of every step of the chain."""
         number = {dance: n for n, dance in enumerate(self.dances)}
         steps = np.zeros((len(self.dances),) * 2)
-        for n, now in enumerate(self.sequences):
-            for outcome, probability in proposals(self.moves, now).items():
+        for n, outcomes in enumerate(self.outcomes()):
+            for outcome, probability in outcomes.items():
                 if outcome is None:
                     continue
                 dance, log_odds = outcome
