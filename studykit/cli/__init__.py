@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import cast
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -14,7 +15,7 @@ def main(arguments: list[str] | None = None) -> None:
     from studykit.core.errors import InputError
 
     # Typer does not say the name of the error that its parser raises; it is what its own one derives from.
-    usage_error = typer.BadParameter.__mro__[1]
+    usage_error = cast(type[Exception], typer.BadParameter.__mro__[1])
     try:
         code = get_command(app).main(args=arguments, prog_name="studykit", standalone_mode=False)
     except InputError as error:

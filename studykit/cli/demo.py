@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -41,6 +41,7 @@ def demo(
 ) -> None:
     """Run a whole study with simulated people: library, dances, sessions, statistics, figures, report."""
     from studykit import reports
+    from studykit.analysis import run
     from studykit.choreography import choreograph
     from studykit.library import make_sample, open_library
     from studykit.library.dance_file import write_dances
@@ -53,28 +54,22 @@ def demo(
     dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
     write_dances(dances, study.folder.dances)
     study.simulate(dances, effects=planted, seed=seed, progress=show.progress, workers=2)
-    steps: dict[str, Any] = {
-        "results": reports.analyse,
-        "figures": reports.draw,
-        "report": reports.report,
-    }
-    made = {
-        name: step(out) for name, step in show.progress(steps.items(), label="Analysing", total=len(steps))
-    }
+    page = reports.report(out, progress=show.progress)
+    results = run(study.protocol.analysis, reports.read_trials(study.folder.derivatives / "trials.csv"))
     if json:
-        show.as_json(made["results"].to_dict())
+        show.as_json(results.to_dict())
         return
     show.say()
     print_dances(dances, opened)
     show.say()
     show.say(str(balance(assignment(study.protocol))))
     show.say()
-    show.say(str(made["results"]))
+    show.say(str(results))
     show.say()
     show.say(
         f"SIMULATED: {len(study.participants)} people who do not exist danced; effects planted: {effects}."
     )
-    show.say(f"  report    {made['report']}")
+    show.say(f"  report    {page}")
     show.say(f"  tables    {study.folder.derivatives / 'trials.csv'}, results.json")
     show.say(f"  raw data  {out} (a BIDS data set)")
     show.say()

@@ -34,7 +34,7 @@ def as_json(value: Mapping[str, Any] | Sequence[Any]) -> None:
     say()
 
 
-def table(rows: Sequence[Mapping[str, Any]]) -> None:
+def table(rows: Sequence[Mapping[Any, Any]]) -> None:
     """Print rows of equal keys as aligned columns."""
     heads = list(rows[0])
     cells = [[str(row[head]) for head in heads] for row in rows]

@@ -1,6 +1,9 @@
 """Recordings to tables, figures and one document."""
 
 from studykit.reports.analyse import analyse as analyse
+from studykit.reports.draw import draw as draw
+from studykit.reports.report import read_trials as read_trials
+from studykit.reports.report import report as report
 from studykit.reports.trials import dances as dances
 from studykit.reports.trials import paces as paces
 from studykit.reports.trials import trials as trials

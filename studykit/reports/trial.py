@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -91,9 +92,8 @@ def movement_measures(
     rate = dance.motion.frame_rate_hz
     grid = start_s + np.arange(len(dance.motion)) / rate
     seen = resampled(tracks, grid, longest_gap_s=protocol.movement.band_s)
-    guide = kinematics.joint_positions(dance.motion)
     alignment = align(
-        common_space(guide, dance.motion.skeleton.joint_names, frame_rate_hz=rate),
+        _guide(dance),
         common_space(seen, tracks.joint_names, frame_rate_hz=rate),
         round(protocol.movement.band_s * rate),
         COMMON_WEIGHTS,
@@ -101,6 +101,14 @@ def movement_measures(
     )
     linear, rotational = _energies(without_gaps(tracks.times_s, tracks.positions, grid), rate)
     return MovementMeasures(alignment=alignment, linear_energy=linear, rotational_energy=rotational)
+
+
+@lru_cache(maxsize=8)
+def _guide(dance: Dance) -> Floats:
+    """Put a dance into the space of the comparison; everybody is compared with the same one."""
+    motion = dance.motion
+    positions = kinematics.joint_positions(motion)
+    return common_space(positions, motion.skeleton.joint_names, frame_rate_hz=motion.frame_rate_hz)
 
 
 def _energies(positions: Floats, rate: float) -> tuple[float, float]:

@@ -176,7 +176,7 @@ class Study:
             for participant in self.participants
             if participant not in over
         ]
-        for _ in progress(_carried_out(visits, workers), label="participants", total=len(visits)):
+        for _ in progress(_carried_out(visits, workers), label="Simulating visits", total=len(visits)):
             pass
         motion_bids.write_study(self.folder, self.protocol, self.sessions())
 
