@@ -6,9 +6,11 @@ import io
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.transforms import Bbox
 
 from studykit.figures import style
 
@@ -35,10 +37,7 @@ class PaperFigure(Figure):
         ending = options.get("format") or Path(str(fname)).suffix.lstrip(".")
         metadata = _UNDATED.get(ending, {}) | options.pop("metadata", {})
         with style.in_style():
-            if isinstance(self.get_layout_engine(), ConstrainedLayoutEngine):
-                # Laid out once: another round would move things by a hair and change the bytes.
-                self.draw_without_rendering()
-                self.set_layout_engine("none")
+            self._fix_layout()
             super().savefig(fname, metadata=metadata or None, **options)
 
     def file_bytes(self, file_format: str) -> bytes:
@@ -52,6 +51,16 @@ class PaperFigure(Figure):
         buffer = io.BytesIO()
         self.savefig(buffer, format=file_format)
         return buffer.getvalue()
+
+    def _fix_layout(self) -> None:
+        """Lay the figure out once and for all: another round would move things by a hair."""
+        if not isinstance(self.get_layout_engine(), ConstrainedLayoutEngine):
+            return
+        self.draw_without_rendering()
+        self.set_layout_engine("none")
+        for axes in self.axes:
+            # The solver's last digits hang on where objects lie in memory.
+            axes.set_position(Bbox(np.round(axes.get_position().get_points(), 6)))
 
     def _repr_png_(self) -> bytes:
         return self.file_bytes("png")

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from shutil import rmtree
+
+import numpy as np
+import pytest
+
+from studykit.core.errors import InputError
+from studykit.library.dance_file import read_dances
+from studykit.recording.session_record import read_session
+from studykit.recording.study_folder import StudyFolder
+from studykit.reports.draw import Material, _strip, draw
+from studykit.reports.trials import trials
+
+
+def test_only_the_figure_asked_for_is_drawn(recorded_study: Callable[[], Path]) -> None:
+    study = recorded_study()
+    paths = draw(study, only=["7"])
+    assert [path.name for path in paths] == ["figure-7.svg", "figure-7.png"]
+    assert sorted(path.name for path in StudyFolder(study).figures.iterdir()) == [
+        "figure-7.png",
+        "figure-7.svg",
+    ]
+
+
+def test_equal_recordings_give_equal_bytes(recorded_study: Callable[[], Path]) -> None:
+    first, second = recorded_study(), recorded_study()
+    rmtree(second / "sourcedata" / "simulation")  # what was planted is nothing to look at
+    drawn, again = (draw(study, only=["6", "asked-and-achieved"]) for study in (first, second))
+    assert [path.read_bytes() for path in drawn] == [path.read_bytes() for path in again]
+
+
+def test_an_unknown_figure_is_refused_before_anything_is_measured(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match='no figure "9"; choose from 6, 7, 8, heart-rate-by-condition'):
+        draw(tmp_path, only=["7", "9"])
+
+
+def test_curves_are_those_of_the_recordings(recorded_study: Callable[[], Path]) -> None:
+    folder = StudyFolder(recorded_study())
+    table = trials(folder)
+    dance = read_dances(folder.dances)["intense-hard-on"]
+    strip = _strip(dance, Material(folder=folder, trials=table))
+    some = table[table["condition"] == dance.condition].sort_values("participant")
+    # The mean over the path (trials) weighs frames otherwise than the mean over the dance (curve).
+    assert strip.distance_m.mean(axis=1) == pytest.approx(some["dtw_m"].to_numpy(), rel=0.05)
+    record = read_session(folder.sessions()[0])
+    (step,) = [s for s in record.steps if s.phase == "perform" and s.condition == dance.condition]
+    for time_s, shown in zip(strip.times_s, strip.heart_rate_bpm[0], strict=True):
+        before = record.heart_rate_times_s <= step.start_s + time_s
+        assert shown == record.heart_rate_bpm[np.flatnonzero(before)[-1]]
