@@ -148,10 +148,20 @@ TRIALS = TableSchema(
         _measured("vigorous_fraction", "share of time at or above the vigorous threshold", maximum=1.0),
         _measured("dtw_m", "mean joint distance from the guide per aligned frame", "m"),
         _measured("dtw_lag_s", "how late the dancer was; negative when early", "s", minimum=None),
-        _measured("linear_energy_asked", "linear energy that the dance aims at, over all poses", "J/kg"),
-        _measured("rotational_energy_asked", "rotational energy that the dance aims at", "J/kg"),
-        _measured("linear_energy_danced", "linear energy of the dancer, over all poses", "J/kg"),
-        _measured("rotational_energy_danced", "rotational energy of the dancer", "J/kg"),
+        _measured("linear_energy_asked", "linear energy of the dance as shown, over all poses", "J/kg"),
+        _measured(
+            "rotational_energy_asked", "rotational energy of the dance as shown, over all poses", "J/kg"
+        ),
+        _measured(
+            "linear_energy_danced",
+            "linear energy of the dancer as seen by the camera, over all poses",
+            "J/kg",
+        ),
+        _measured(
+            "rotational_energy_danced",
+            "rotational energy of the dancer as seen by the camera, over all poses",
+            "J/kg",
+        ),
         _measured("variety_achieved", "mean feature distance between the dance's segments"),
         _measured("smoothness_rating", "answer to the question about smoothness", minimum=None),
         _truth("simulated", "whether the person or a device was simulated"),
