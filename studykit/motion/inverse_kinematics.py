@@ -9,7 +9,9 @@ from studykit.motion import kinematics, rotation
 from studykit.motion.skeleton import NEUTRAL_BODY, Skeleton
 
 
-def rotations_from_positions(positions: Floats, skeleton: Skeleton = NEUTRAL_BODY) -> Floats:
+def rotations_from_positions(
+    positions: Floats, skeleton: Skeleton = NEUTRAL_BODY, *, shortest_bone_m: float = 0.0
+) -> Floats:
     """Find how every joint is turned when only positions are known, as from a camera.
 
     Each joint takes the turn that best carries its rest bones onto the seen ones. A joint with a single bone
@@ -21,6 +23,9 @@ def rotations_from_positions(positions: Floats, skeleton: Skeleton = NEUTRAL_BOD
         Joint positions without gaps; only directions of bones matter, not lengths.
     skeleton : Skeleton
         Gives the rest bones.
+    shortest_bone_m : float
+        A joint whose only bone is shorter than this keeps its parent's turn: the trembling of a camera turns
+        short bones most, and with them all that hangs on them.
 
     Returns
     -------
@@ -36,7 +41,10 @@ def rotations_from_positions(positions: Floats, skeleton: Skeleton = NEUTRAL_BOD
     for joint, parent in enumerate(skeleton.parents):
         inherited = world[:, parent] if parent >= 0 else rotation.identity(frames)
         children = skeleton.children(joint)
-        if not children:
+        tells = len(children) > 1 or any(
+            skeleton.bone_lengths[child] >= shortest_bone_m for child in children
+        )
+        if not tells:
             world[:, joint] = inherited
             continue
         rest = _unit(skeleton.offsets[list(children)])

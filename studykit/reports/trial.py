@@ -18,6 +18,8 @@ from studykit.motion.motion import JointTracks
 from studykit.protocol.study_protocol import StudyProtocol
 from studykit.recording.session_record import SessionRecord, StepRecord
 
+SHORTEST_BONE_M = 0.08
+"""A trembling of 5 mm turns a bone of this length by 4 degrees; what is shorter is not asked how it turns."""
 CUTOFF_HZ = 6.0
 """Faster than this a camera trembles rather than a person dances (Winter 2009)."""
 
@@ -156,5 +158,9 @@ def _energies(positions: Floats, rate: float) -> tuple[float, float]:
     centred = smooth - smooth[:, :1]
     return (
         float(energy.linear_energy(centred, rate).sum()),
-        float(energy.rotational_energy(rotations_from_positions(smooth), rate).sum()),
+        float(
+            energy.rotational_energy(
+                rotations_from_positions(smooth, shortest_bone_m=SHORTEST_BONE_M), rate
+            ).sum()
+        ),
     )
