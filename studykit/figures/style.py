@@ -52,6 +52,7 @@ RC: Any = {
     "svg.fonttype": "path",
     "svg.hashsalt": "studykit",
     "text.color": INK,
+    "text.hinting": "none",  # hinted letters are wider at some sizes, and would leave the sheet
     "xtick.color": INK,
     "xtick.labelsize": 7.5,
     "xtick.major.width": 0.6,

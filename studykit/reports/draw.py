@@ -201,8 +201,10 @@ def _standing(record: SessionRecord, times_s: Floats, longest_gap_s: float) -> F
 def _distances(record: SessionRecord, step: StepRecord, dance: Dance, protocol: StudyProtocol) -> Floats:
     """Give the distance between dancer and guide as means over equal stretches of the dance."""
     movement = movement_measures(record.frames(step.step), step.start_s, dance, protocol)
-    by_frame = movement.alignment.distance_by_frame_m
     stretches = len(np.arange(_CURVE_STEP_S / 2.0, dance.motion.duration_s, _CURVE_STEP_S))
+    if movement is None:
+        return np.full(stretches, np.nan)
+    by_frame = movement.alignment.distance_by_frame_m
     return np.array([part.mean() for part in np.array_split(by_frame, stretches)])
 
 

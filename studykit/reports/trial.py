@@ -23,6 +23,8 @@ SHORTEST_BONE_M = 0.08
 CUTOFF_HZ = 6.0
 """Faster than this a camera trembles rather than a person dances (Winter 2009)."""
 
+_FRONT = ("pelvis", "left_hip", "right_hip", "left_shoulder", "right_shoulder")
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class HeartMeasures:
@@ -77,8 +79,8 @@ def heart_measures(
 
 def movement_measures(
     tracks: JointTracks, start_s: float, dance: Dance, protocol: StudyProtocol
-) -> MovementMeasures:
-    """Compare what a camera saw with the dance that was shown.
+) -> MovementMeasures | None:
+    """Compare what a camera saw with the dance that was shown; None where it never saw the body's front.
 
     Parameters
     ----------
@@ -94,6 +96,9 @@ def movement_measures(
     rate = dance.motion.frame_rate_hz
     grid = start_s + np.arange(len(dance.motion)) / rate
     seen = resampled(tracks, grid, longest_gap_s=protocol.movement.band_s)
+    front = [place for place, name in enumerate(tracks.joint_names) if name in _FRONT]
+    if not np.isfinite(seen[:, front]).all(axis=(1, 2)).any():
+        return None
     guide, danced = _guide(dance), common_space(seen, tracks.joint_names, frame_rate_hz=rate)
     band = round(protocol.movement.band_s * rate)
     alignment = align(guide, same_front(guide, danced, band), band, COMMON_WEIGHTS, frame_rate_hz=rate)

@@ -142,8 +142,10 @@ def _row(
         "heart_rate_peak_bpm": heart.peak_bpm,
         "vigorous_fraction": heart.vigorous_fraction,
     }
+    movement = None
     if step.is_complete:
         movement = movement_measures(record.frames(step.step), step.start_s, dance, protocol)
+    if movement is not None:
         measured |= {
             "dtw_m": movement.alignment.distance_m,
             "dtw_lag_s": movement.alignment.lag_s,

@@ -7,7 +7,7 @@ import pytest
 
 from studykit.core.errors import InputError
 from studykit.figures import asked_and_achieved
-from studykit.figures.style import SYNTHETIC
+from studykit.figures.style import SYNTHETIC, in_style
 
 
 def test_every_dance_stands_where_it_came(made_dances: Callable[..., pd.DataFrame]) -> None:
@@ -29,3 +29,15 @@ def test_synthetic_movement_says_so(made_dances: Callable[..., pd.DataFrame]) ->
 def test_no_dance_is_said(made_dances: Callable[..., pd.DataFrame]) -> None:
     with pytest.raises(InputError, match="no dance to show"):
         asked_and_achieved(made_dances().iloc[:0])
+
+
+@pytest.mark.parametrize("dots_per_inch", [50, 72, 100, 200, 300])
+def test_no_word_leaves_the_sheet(made_dances: Callable[..., pd.DataFrame], dots_per_inch: int) -> None:
+    figure = asked_and_achieved(made_dances())
+    figure.file_bytes("svg")
+    figure.set_dpi(dots_per_inch)
+    with in_style():
+        inches = figure.get_tightbbox()
+    assert min(inches.x0, inches.y0) >= 0.0
+    assert inches.x1 <= figure.get_figwidth()
+    assert inches.y1 <= figure.get_figheight()

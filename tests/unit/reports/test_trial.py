@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,9 +13,12 @@ from studykit.analysis.dynamic_time_warping import align, common_space
 from studykit.core.arrays import Floats
 from studykit.motion import rotation
 from studykit.motion.kinematics import joint_positions
-from studykit.motion.motion import Motion
+from studykit.motion.motion import JointTracks, Motion
 from studykit.motion.skeleton import JOINT_NAMES, NEUTRAL_BODY
+from studykit.recording.session_record import SessionRecord
+from studykit.reports.draw import draw
 from studykit.reports.trial import same_front
+from studykit.reports.trials import trials
 
 FRAMES, BAND, DELAY = 240, 30, 9
 
@@ -77,3 +84,25 @@ def test_somebody_seen_for_a_moment_only_is_turned_by_what_was_seen() -> None:
     danced = np.full_like(guide, np.nan)
     danced[:5] = rotation.rotate(rotation.yaw(0.9), guide[:5])
     np.testing.assert_allclose(same_front(guide, danced, BAND)[:5], guide[:5], atol=1e-6)
+
+
+def test_a_trial_that_no_camera_saw_keeps_its_heart_and_stops_nobody(
+    recorded_study: Callable[[], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = recorded_study()
+    as_recorded = SessionRecord.frames
+
+    def frames(record: SessionRecord, step: int) -> JointTracks:
+        tracks = as_recorded(record, step)
+        first = next(one.step for one in record.steps if one.phase == "perform")
+        if step != first or record.participant != "01":
+            return tracks
+        return replace(tracks, positions=np.full_like(tracks.positions, np.nan))
+
+    monkeypatch.setattr(SessionRecord, "frames", frames)
+    table = trials(study)
+    blind = table["dtw_m"].isna()
+    assert blind.tolist() == table["linear_energy_danced"].isna().tolist()
+    assert table.loc[blind, ["participant", "period"]].to_numpy().tolist() == [["01", 1]]
+    assert table["heart_rate_mean_bpm"].notna().all()
+    assert draw(study, only=["7", "6"])
