@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from studykit.choreography.dance import Dance, DanceMeasures, DanceSegment, blended_measures
 from studykit.choreography.dance_library import DanceLibrary, require_segments
 from studykit.choreography.goal import Goal, goals
+from studykit.choreography.rjmcmc.descent import reordered
 from studykit.choreography.rjmcmc.moves import MoveSet
 from studykit.choreography.rjmcmc.run import SearchResult, run
 from studykit.choreography.rjmcmc.sequence import Repertoire
@@ -93,7 +96,12 @@ def _search(goal: Goal, repertoire: Repertoire, *, seed: int, chain: int) -> Sea
     start = repertoire.sequence(
         tuple(int(s) for s in rng.choice(repertoire.size, size=wanted, replace=False))
     )
-    return run(start, goal.objective(), moves, goal.preset.schedule, rng=rng, rule=goal.preset.acceptance)
+    objective = goal.objective()
+    found = run(start, objective, moves, goal.preset.schedule, rng=rng, rule=goal.preset.acceptance)
+    if not goal.preset.reorders:
+        return found
+    sequence = reordered(found.sequence, objective, repertoire)
+    return replace(found, sequence=sequence, cost=objective.cost(sequence.measures))
 
 
 def _dance(

@@ -35,6 +35,8 @@ class Preset:
         Temperatures and tolerances over the iterations.
     chains : int
         Searches from different beginnings, of which the best is taken.
+    reorders : bool
+        Whether the segments found are put into the best order at the end.
     is_reached : bool
         Whether its targets can be reached: a dance that misses them is then an error, not a result.
     """
@@ -48,6 +50,7 @@ class Preset:
     copies: bool
     schedule: Schedule
     chains: int
+    reorders: bool
     is_reached: bool
 
 
@@ -59,8 +62,9 @@ STUDYKIT = Preset(
     moves="anywhere",
     acceptance="exact",
     copies=True,
-    schedule=Schedule.geometric(iterations=16_000, start=0.3, end=0.002, start_width=6.0),
-    chains=4,
+    schedule=Schedule.geometric(iterations=8_000, start=0.3, end=0.002, start_width=6.0),
+    chains=8,
+    reorders=True,
     is_reached=True,
 )
 """The reading whose targets are reached."""
@@ -75,6 +79,7 @@ PAPER = Preset(
     copies=False,
     schedule=Schedule.paper(),
     chains=1,
+    reorders=False,
     is_reached=False,
 )
 """The printed formulas, constants and search, but for a bound on the length, without which it diverges."""
