@@ -125,6 +125,47 @@ def common_space(positions: Floats, joint_names: Sequence[str], *, frame_rate_hz
     return _with_reference_bones(turned)[:, [NEUTRAL_BODY.index(name) for name in COMMON_JOINTS]]
 
 
+def same_front(guide: Floats, danced: Floats, band_frames: int) -> Floats:
+    """Turn a dancer, once, so that the whole dance fits the guide's as well as it can.
+
+    The first second alone is no safe front: who follows a guide that begins with a turn a little late would
+    count as standing wrong to the end, and a dance would seem hard because it begins with a turn.
+
+    Parameters
+    ----------
+    guide, danced : ndarray, shape (frame, joint, 3), m
+        In one space and of one length; NaN where a joint of the dancer was not seen.
+    band_frames : int
+        How many frames early or late the dancer may be.
+
+    Returns
+    -------
+    ndarray, shape (frame, joint, 3), m
+        The dancer, turned about the vertical.
+
+    Notes
+    -----
+    For each delay the best turn is the angle of sum g conj(d), with g and d the places of guide and dancer on
+    the ground as complex numbers z + ix; the delay with the smallest mean squared distance is taken.
+    """
+    is_seen = np.asarray(np.isfinite(danced).all(axis=-1))
+    places = np.where(is_seen[..., None], danced, 0.0)
+    g, d = guide[..., 2] + 1j * guide[..., 0], places[..., 2] - 1j * places[..., 0]
+    g_up, d_up = guide[..., 1].copy(), places[..., 1].copy()
+    g_squares, d_squares = np.sum(guide**2, axis=-1), np.sum(places**2, axis=-1)
+    best, latest = (np.inf, 0.0), min(band_frames, len(guide) - 1)
+    for delay in range(-latest, latest + 1):
+        on = slice(max(0, -delay), len(guide) - max(0, delay))
+        at = slice(on.start + delay, on.stop + delay)
+        pairs = int(is_seen[at].sum())
+        if not pairs:
+            continue
+        turned, upright = np.sum(g[on] * d[at]), np.sum(g_up[on] * d_up[at])
+        squares = np.sum(g_squares[on], where=is_seen[at]) + d_squares[at].sum()
+        best = min(best, (float(squares - 2.0 * (upright + abs(turned))) / pairs, float(np.angle(turned))))
+    return rotation.rotate(rotation.yaw(best[1]), danced)
+
+
 def _all_joints(positions: Floats, joint_names: Sequence[str]) -> Floats:
     """Give the 24 SMPL joints in their order, NaN where one is missing, shape (frame, 24, 3)."""
     if positions.ndim != 3 or positions.shape[1:] != (len(joint_names), 3):

@@ -73,3 +73,15 @@ def test_an_arm_that_points_the_opposite_way() -> None:
     positions = kinematics.centred_positions(NEUTRAL_BODY, rotations)
     found = kinematics.centred_positions(NEUTRAL_BODY, rotations_from_positions(positions))
     assert found == pytest.approx(positions, abs=1e-6)
+
+
+def test_a_trembling_camera_turns_no_short_bone() -> None:
+    rest = kinematics.centred_positions(NEUTRAL_BODY, rotation.identity(300, 24))
+    seen = rest + np.random.default_rng(3).normal(scale=0.005, size=rest.shape)
+    chest = NEUTRAL_BODY.index("spine3")
+
+    def trembling(shortest_bone_m: float) -> float:
+        found = rotations_from_positions(seen, shortest_bone_m=shortest_bone_m)
+        return float(np.linalg.norm(rotation.log(found[:, chest]), axis=-1).mean())
+
+    assert trembling(0.08) < 0.7 * trembling(0.0)
