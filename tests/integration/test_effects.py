@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
@@ -12,10 +12,12 @@ import studykit as sk
 from studykit.analysis.results import Results
 from studykit.choreography.dance import Dance
 from studykit.io.protocol_file import default_protocol
+from studykit.library.build import build
+from studykit.library.recipe import find_recipe
 from studykit.participant.effects import NONE, PAPER, Effects
 from studykit.protocol import StudyProtocol
 
-NULL_STUDIES = 16
+NULL_STUDIES = 10
 
 
 def shortened(participants: int) -> StudyProtocol:
@@ -27,9 +29,19 @@ def shortened(participants: int) -> StudyProtocol:
     return protocol.model_copy(update={"session": phases})
 
 
-@pytest.fixture(scope="module")
-def dances(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Dance]:
-    library = sk.library.make_sample(tmp_path_factory.mktemp("libraries") / "synthetic")
+@pytest.fixture(scope="module", params=["synthetic", "cmu"])
+def dances(
+    request: pytest.FixtureRequest,
+    tmp_path_factory: pytest.TempPathFactory,
+    shared_data: Callable[[str], Path],
+) -> Mapping[str, Dance]:
+    """Dances of both kinds: real ones turn and travel more."""
+    folder = tmp_path_factory.mktemp("libraries") / request.param
+    if request.param == "synthetic":
+        library = sk.library.make_sample(folder)
+    else:
+        takes = shared_data("motion/cmu-bvh-acrnn")
+        library = build(takes, folder, find_recipe(takes))
     return sk.choreograph(shortened(8), library, seed=3)
 
 
