@@ -20,7 +20,7 @@ demo: .venv/core.stamp ## a whole study with simulated people, into sessions/dem
 	$(BIN)/studykit demo $(ARGS)
 
 test: lint ## style, types, layers and all quick tests
-	$(BIN)/python -m pytest -p no:benchmark -n $(WORKERS) $(ARGS)
+	$(BIN)/python -m pytest -p no:benchmark -n $(WORKERS) --dist loadfile $(ARGS)
 
 test-slow: .venv/test.stamp ## the proofs that take minutes
 	$(BIN)/python -m pytest -p no:benchmark -m slow $(ARGS)

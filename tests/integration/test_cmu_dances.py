@@ -358,7 +358,8 @@ def test_twenty_seeds_of_eight_dances_are_as_asked(library: DanceLibrary, protoc
         if (on, seed) in found and (off, seed) in found
     ]
     print(
-        f"{len(found)} of 160 dances as asked; joins smoother with the term in {sum(smoother)} of {len(smoother)}"
+        f"{len(found)} of 160 dances are as asked; "
+        f"joins are smoother with the term in {sum(smoother)} of {len(smoother)} pairs"
     )
     # Two figures that return may happen to fit each other without having been asked to.
     assert np.mean(smoother) >= 0.95
