@@ -1,10 +1,12 @@
 """studykit: design, run and analyse clinical studies of personalised dance exergames.
 
->>> import studykit as sk                                                # doctest: +SKIP
->>> protocol = sk.read_protocol("protocols/dance-2x2x2.toml")            # doctest: +SKIP
->>> library = sk.open_library("libraries/cmu-dance")                     # doctest: +SKIP
->>> dances = sk.choreograph(protocol, library, seed=7)                   # doctest: +SKIP
->>> study = sk.open_study("sessions/pilot", protocol=protocol)           # doctest: +SKIP
+A study in five lines::
+
+    protocol = studykit.read_protocol("protocols/dance-2x2x2.toml")
+    library = studykit.open_library("libraries/cmu-dance")
+    dances = studykit.choreograph(protocol, library, seed=7)
+    study = studykit.open_study("sessions/pilot", protocol=protocol)
+    study.simulate(dances)
 """
 
 from __future__ import annotations
