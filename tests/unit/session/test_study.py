@@ -95,7 +95,7 @@ def test_a_study_is_simulated_only_as_it_was_begun(
     study.simulate(small_dances, effects=NONE, seed=5, progress=progress)
     before = bytes_below(tmp_path)
     study.simulate(small_dances, effects=NONE, seed=5, progress=progress)
-    assert labels == [("Simulating visits", 2), ("participants", 0)]
+    assert labels == [("Simulating visits", 2), ("Simulating visits", 0)]
     assert bytes_below(tmp_path) == before
     for changes in ({"seed": 6, "effects": NONE}, {"seed": 5}):
         with pytest.raises(InputError, match="other effects or another seed"):
