@@ -14,7 +14,7 @@ TEXT = "HIERARCHY\nROOT Hüfte\n"
 PACKED = {
     "a.bvh": TEXT.encode(),
     "a.bvh.xz": lzma.compress(TEXT.encode()),
-    "a.bvh.gz": gzip.compress(TEXT.encode()),
+    "a.bvh.gz": gzip.compress(TEXT.encode(), mtime=0),
 }
 
 
@@ -40,6 +40,8 @@ def test_text_of_other_programs(tmp_path, encoding) -> None:
         ("flipped.bvh.gz", PACKED["a.bvh.gz"][:12] + b"\xff\xff\xff" + PACKED["a.bvh.gz"][15:]),
         ("plain.bvh.gz", TEXT.encode()),
     ],
+    # Bytes in the name of a test may differ between the processes that run the tests.
+    ids=["cut xz", "empty xz", "plain xz", "cut gz", "flipped gz", "plain gz"],
 )
 def test_a_broken_packing_is_named(tmp_path, name, data) -> None:
     (tmp_path / name).write_bytes(data)
