@@ -19,8 +19,11 @@ from studykit.motion.skeleton import NEUTRAL_BODY
 if TYPE_CHECKING:
     import pandas as pd
 
+CHAIN_SEGMENTS = 8
+"""Segments in each of the random chains that a library is calibrated on: windows of 32 s, as in the paper."""
+
 DENSE_LIMIT = 4096
-"""Up to this many segments all distances are kept (67 MB); beyond, they are computed when asked for."""
+"""Up to this many segments all distances are kept (134 MB); beyond, they are computed when asked for."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from studykit.choreography.cost.intensity import IntensityCost
 from studykit.choreography.cost.total import TotalCost
 from studykit.choreography.cost.transition import TransitionCost
 from studykit.choreography.cost.variety import VarietyCost
-from studykit.choreography.dance_library import DanceLibrary
+from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary
 from studykit.choreography.measures import Measures
 from studykit.choreography.preset import PRESETS, Preset
 from studykit.core.errors import InputError
@@ -147,11 +147,13 @@ def goal(plan: DancePlan, condition: Condition, library: DanceLibrary) -> Goal:
     InputError
         If the duration is not a multiple of 4 s.
     """
-    if plan.duration_s <= 0.0 or plan.duration_s % SEGMENT_S:
+    is_finite = math.isfinite(plan.duration_s)
+    if not is_finite or plan.duration_s <= 0.0 or plan.duration_s % SEGMENT_S:
+        segments = max(1, round(plan.duration_s / SEGMENT_S)) if is_finite else CHAIN_SEGMENTS
         raise InputError(
             f"{plan.duration_s:g} s is not a multiple of {SEGMENT_S:g} s",
             where="duration",
-            remedy=f"ask for {max(1, round(plan.duration_s / SEGMENT_S)) * SEGMENT_S:g} s",
+            remedy=f"ask for {segments * SEGMENT_S:g} s",
         )
     preset = PRESETS[plan.preset]
     weights = plan.weights.model_dump()
@@ -196,7 +198,7 @@ def _energies(
     percentile: float = getattr(plan.intensity, level)
     linear, rotational = library.calibration.energy_targets(percentile)
     # Chains are 32 s long; a dance of another length asks for as much in each second.
-    scale = plan.duration_s / (8 * SEGMENT_S)
+    scale = plan.duration_s / (CHAIN_SEGMENTS * SEGMENT_S)
     return linear * scale, rotational * scale, (plan.intensity.tolerance, plan.intensity.tolerance)
 
 

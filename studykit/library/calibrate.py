@@ -6,14 +6,19 @@ from itertools import pairwise
 
 import numpy as np
 
-from studykit.choreography.dance_library import Calibration, DanceLibrary, SegmentDistances, mean_of_pairs
+from studykit.choreography.dance_library import (
+    CHAIN_SEGMENTS,
+    Calibration,
+    DanceLibrary,
+    SegmentDistances,
+    mean_of_pairs,
+)
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.motion.features import KINETIC, FeatureScaler
 
 CHAINS = 1000
-CHAIN_SEGMENTS = 8
-"""1,000 windows of 32 s, as in the paper; chains of segments of one genre, since few takes are that long."""
+"""Windows measured, as in the paper; chains of segments of one genre, since few takes last 32 s."""
 
 _CHUNK = 256
 _MEDIAN_POSES = 250_000

@@ -99,7 +99,7 @@ def test_the_paper_s_preset_has_the_printed_numbers(protocol, library) -> None:
     assert light.variety == pytest.approx(0.55**2)
 
 
-@pytest.mark.parametrize("duration_s", [0.0, 30.0, 33.9])
+@pytest.mark.parametrize("duration_s", [0.0, 30.0, 33.9, math.nan, math.inf])
 def test_a_duration_that_no_segments_fill_is_refused(protocol, library, duration_s) -> None:
     plan = changed(protocol, duration_s=duration_s).dance
     with pytest.raises(InputError, match=r"^duration: .* is not a multiple of 4 s; ask for \d+ s\.$"):
