@@ -29,14 +29,17 @@ def write_dances(dances: Mapping[str, Dance], folder: str | Path) -> None:
         If the folder cannot be written, or another dance of the same name is in it.
     """
     folder = Path(folder)
-    for condition, dance in dances.items():
-        if (folder / f"{condition}.json").exists() and read_dance(folder, condition).sha256 != dance.sha256:
+    there = {condition for condition in dances if (folder / f"{condition}.json").exists()}
+    for condition in sorted(there):
+        if read_dance(folder, condition).sha256 != dances[condition].sha256:
             raise InputError(
                 f"another dance {condition} is there already", where=folder, remedy="choose another folder"
             )
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for condition, dance in dances.items():
+            if condition in there:
+                continue
             motion = dance.motion
             np.savez(
                 folder / f"{condition}.npz",

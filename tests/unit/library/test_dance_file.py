@@ -109,6 +109,22 @@ def test_the_same_dance_gives_the_same_bytes(made, folder: Path, tmp_path: Path)
         assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 
 
+def test_a_dance_that_is_there_already_stays_and_another_is_refused(
+    made, folder: Path, tmp_path: Path
+) -> None:
+    for path in folder.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    # What was recorded keeps its bytes, even where this version would write them in another way.
+    recorded = tmp_path / "light-easy-on.bvh"
+    recorded.write_text("as it was shown")
+    write_dances({made.condition: made}, tmp_path)
+    assert recorded.read_text() == "as it was shown"
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(InputError, match="another dance light-easy-on is there already; choose another"):
+        write_dances({made.condition: replace(made, library_sha256="1" * 64)}, tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
 @pytest.mark.parametrize("suffix", [".npz", ".json"])
 @pytest.mark.parametrize("harm", ["gone", "cut", "empty", "{}"])
 def test_a_broken_dance_is_named(folder: Path, tmp_path: Path, suffix: str, harm: str) -> None:
