@@ -109,7 +109,9 @@ def _dance(
 ) -> Dance:
     # Sums that were carried through thousands of changes are taken anew.
     measures = repertoire.sequence(result.sequence.segments).measures
-    motion = joined([library.motion(segment) for segment in result.sequence.segments])
+    motion = joined(
+        [library.motion(segment) for segment in result.sequence.segments], blend=goal.preset.blend
+    )
     objective = goal.objective()
     rows = library.segments.iloc[list(result.sequence.segments)]
     return Dance(

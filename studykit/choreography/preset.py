@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from studykit.choreography.rjmcmc.schedule import Schedule
+from studykit.motion.blending import Blend
 
 Metric = Literal["euclidean_z", "cosine"]
 
@@ -37,6 +38,8 @@ class Preset:
         Searches from different beginnings, of which the best is taken.
     reorders : bool
         Whether the segments found are put into the best order at the end.
+    blend : {"offset", "bridge"}
+        How segments are joined; see `motion.blending.joined`.
     is_reached : bool
         Whether its targets can be reached: a dance that misses them is then an error, not a result.
     """
@@ -51,6 +54,7 @@ class Preset:
     schedule: Schedule
     chains: int
     reorders: bool
+    blend: Blend
     is_reached: bool
 
 
@@ -65,6 +69,7 @@ STUDYKIT = Preset(
     schedule=Schedule.geometric(iterations=8_000, start=0.3, end=0.002, start_width=6.0),
     chains=8,
     reorders=True,
+    blend="offset",
     is_reached=True,
 )
 """The reading whose targets are reached."""
@@ -80,6 +85,7 @@ PAPER = Preset(
     schedule=Schedule.paper(),
     chains=1,
     reorders=False,
+    blend="bridge",
     is_reached=False,
 )
 """The printed formulas, constants and search, but for a bound on the length, without which it diverges."""

@@ -98,6 +98,8 @@ def test_the_paper_s_preset_gives_the_best_it_met(library, reachable) -> None:
     assert found.preset == "paper"
     assert 6 <= len(found.segments) <= 10
     assert found.achieved.linear_energy < 0.1 * found.asked.linear_energy
+    bridged = joined([library.motion(segment.id) for segment in found.segments], blend="bridge")
+    assert np.array_equal(found.motion.rotations, bridged.rotations)
 
 
 def test_one_dance_a_condition_in_the_order_of_the_protocol(library, monkeypatch) -> None:
