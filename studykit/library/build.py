@@ -264,7 +264,7 @@ def _finish(
     pd.DataFrame([{f: getattr(y, f) for f in TakeYield.__slots__} for y in yields]).to_csv(
         folder / "yield.csv", index=False
     )
-    scaler = fit_scaler(np.load(folder / "features.npy", mmap_mode="r"))
+    scaler = fit_scaler(np.load(folder / "features.npy", mmap_mode="r", allow_pickle=False))
     library = store.load(folder, name=name, scaler=scaler, calibration=store.UNCALIBRATED, sha256="")
     store.write_calibration(folder, scaler, calibrate(library, stream(seed, "calibration")))
     manifest = {

@@ -136,15 +136,3 @@ def slerp(start: Floats, end: Floats, share: Floats) -> Floats:
         0 at `start`, 1 at `end`.
     """
     return multiply(start, exp(np.asarray(share)[..., None] * between(start, end)))
-
-
-def continuous(quaternions: Floats) -> Floats:
-    """Choose the sign of each quaternion so that neighbours along the first axis are close.
-
-    A rotation has two quaternions of opposite sign; jumping between them confuses averages and plots.
-    """
-    dots = np.sum(quaternions[1:] * quaternions[:-1], axis=-1)
-    signs = np.concatenate(
-        (np.ones((1, *dots.shape[1:])), np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0))
-    )
-    return np.asarray(quaternions * signs[..., None])

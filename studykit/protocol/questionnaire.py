@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 PACES_NAME = "PACES-18"
 """Physical Activity Enjoyment Scale, 18 bipolar items of 7 points (Kendzierski and DeCarlo 1991)."""
-PACES_QUESTION = "How do you feel right now about the activity that you have just done?"
 LOWEST, HIGHEST = 1, 7
 SMOOTHNESS_ANCHORS = ("strongly disagree", "strongly agree")
 

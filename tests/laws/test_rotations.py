@@ -114,11 +114,3 @@ def test_euler_angles_are_about_moving_axes_in_the_order_listed() -> None:
     )
     assert rotation.from_euler("ZXY", np.array([z, x, y])) == pytest.approx(one_by_one, abs=1e-12)
     assert rotation.from_euler("YXZ", np.array([y, x, z])) != pytest.approx(one_by_one, abs=1e-3)
-
-
-def test_continuous_keeps_the_rotations_and_closes_the_jumps() -> None:
-    angles = np.linspace(0.0, 3.0 * np.pi, 50)
-    quaternions = rotation.yaw(angles) * np.where(np.arange(50) % 7 < 3, 1.0, -1.0)[:, None]
-    smooth = rotation.continuous(quaternions)
-    assert np.abs(np.sum(smooth * quaternions, axis=-1)) == pytest.approx(np.ones(50))
-    assert np.all(np.sum(smooth[1:] * smooth[:-1], axis=-1) > 0.9)

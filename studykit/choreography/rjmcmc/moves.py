@@ -51,6 +51,8 @@ class MoveSet:
         others, novelty / (novelty + n); infinite leaves repetition to chance. None never repeats a segment.
     place : {"anywhere", "at_end"}
         Where a segment is added.
+    add, remove : float
+        How often each is tried, as shares of 1; what is left is for replacing.
 
     Notes
     -----
