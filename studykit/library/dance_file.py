@@ -26,9 +26,14 @@ def write_dances(dances: Mapping[str, Dance], folder: str | Path) -> None:
     Raises
     ------
     InputError
-        If the folder cannot be written, or another dance of the same name is in it.
+        If the folder cannot be written, another dance of the same name is in it, or a name leads elsewhere.
     """
     folder = Path(folder)
+    for condition in dances:
+        if Path(condition).name != condition:
+            raise InputError(
+                f'"{condition}" is no name of a file', where=folder, remedy="name dances by their conditions"
+            )
     there = {condition for condition in dances if (folder / f"{condition}.json").exists()}
     for condition in sorted(there):
         if read_dance(folder, condition).sha256 != dances[condition].sha256:

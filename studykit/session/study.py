@@ -125,7 +125,7 @@ class Study:
                 where=self.folder.protocol,
                 remedy=f"choose one from {known[0]} to {known[-1]}",
             )
-        if not session.isalnum():
+        if not (session.isascii() and session.isalnum()):
             raise InputError(f'"{session}" is no number of a visit', remedy='write digits, such as "01"')
         prepared = Session(
             folder=self.folder,

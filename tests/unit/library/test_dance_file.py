@@ -146,6 +146,13 @@ def test_a_folder_without_dances(tmp_path: Path) -> None:
         read_dances(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["../elsewhere", "a/b", "/elsewhere"])
+def test_a_name_that_leads_elsewhere_is_refused(made, tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match="is no name of a file; name dances by their conditions"):
+        write_dances({name: made}, tmp_path / "dances")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_place_that_cannot_be_written(made, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match=r"file/dances: cannot be written \(.*\); choose another folder\."):

@@ -77,9 +77,10 @@ def test_an_unknown_participant_is_refused(
     assert bytes_below(tmp_path) == before
 
 
-def test_a_visit_needs_a_plain_number(tmp_path: Path, small_protocol: StudyProtocol) -> None:
+@pytest.mark.parametrize("number", ["../01", "", "0 1", "é"])
+def test_a_visit_needs_a_plain_number(tmp_path: Path, small_protocol: StudyProtocol, number: str) -> None:
     with pytest.raises(InputError, match="no number of a visit"):
-        open_study(tmp_path / "pilot", protocol=small_protocol).session("01", session="../01")
+        open_study(tmp_path / "pilot", protocol=small_protocol).session("01", session=number)
 
 
 def test_a_study_is_simulated_only_as_it_was_begun(
