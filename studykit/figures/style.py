@@ -53,6 +53,7 @@ RC: Any = {
     "svg.hashsalt": "studykit",
     "text.color": INK,
     "text.hinting": "none",  # hinted letters are wider at some sizes, and would leave the sheet
+    "text.parse_math": False,  # a dollar in the question of a protocol is a dollar
     "xtick.color": INK,
     "xtick.labelsize": 7.5,
     "xtick.major.width": 0.6,

@@ -82,3 +82,8 @@ def test_the_question_and_its_scale_are_named(made_trials: Callable[..., pd.Data
     axes = figure.axes[0]
     assert axes.get_ylabel().startswith("“It flowed”")
     assert axes.get_yticks().tolist() == [1, 2, 3, 4, 5, 6, 7]
+
+
+def test_a_question_with_dollars_is_no_formula(made_trials: Callable[..., pd.DataFrame]) -> None:
+    figure = figures.smoothness_by_condition(made_trials(), question="It was worth $5_ or {$6.")
+    assert figure.file_bytes("svg")
