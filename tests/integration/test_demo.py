@@ -100,6 +100,28 @@ def test_the_declared_results_figures_and_report_are_there(studies: tuple[Path, 
     assert {"figure-6", "figure-7", "figure-8"} <= names
 
 
+def test_the_yield_of_every_take_and_the_segments_of_every_dance_are_printed(
+    studies: tuple[Path, Path], folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    library = folder / "library"
+    run("library", "info", library)
+    said = capsys.readouterr().out
+    takes = pd.read_csv(library / "yield.csv")
+    assert len(takes) == 24
+    assert all(said.count(f"{take} ") == 1 for take in takes["take"])
+    for column in ("segments_kept", "segments_paper", "frames_speed", "frames_acceleration", "frames_paper"):
+        assert column in said
+    distinct = []
+    for variety in ("easy", "hard"):
+        run("choreograph", "--library", library, "--variety", variety, "--out", tmp_path / variety)
+        dance = read_dances(tmp_path / variety)[f"light-{variety}-on"]
+        said = capsys.readouterr().out
+        assert f"{dance.distinct_segments} of 8" in said
+        assert " ".join(str(segment.id) for segment in dance.segments) in said
+        distinct.append(dance.distinct_segments)
+    assert distinct[0] < distinct[1] == 8
+
+
 def test_twenty_people_would_stay_below_200_megabytes(studies: tuple[Path, Path]) -> None:
     a_person = sum(path.stat().st_size for name, path in files(studies[0]) if "sub-" in name) / PEOPLE
     rest = sum(path.stat().st_size for name, path in files(studies[0]) if "sub-" not in name)

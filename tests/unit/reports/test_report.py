@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from collections.abc import Callable
+from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 from shutil import copytree, rmtree
@@ -43,21 +44,22 @@ def folder(_recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFo
     return copy
 
 
+def page_of(folder: StudyFolder, **changes: object) -> str:
+    """Give the page, without figures, after something was changed in the table of trials."""
+    material = Material(folder=folder, trials=read_trials(folder.derivatives / "trials.csv"))
+    for column, value in changes.items():
+        material.trials.loc[0, column] = value
+    if changes.get("simulated") is False:
+        material.trials["simulated"] = False
+    results = json.loads((folder.derivatives / "results.json").read_text(encoding="utf-8"))
+    results |= run(material.protocol.analysis, material.trials).to_dict()
+    return html(material, results, [])
+
+
 @pytest.fixture
 def analysed(folder: StudyFolder) -> Callable[..., str]:
-    """Give the page, without figures, after something was changed in the table of trials."""
-
-    def page(**changes: object) -> str:
-        material = Material(folder=folder, trials=read_trials(folder.derivatives / "trials.csv"))
-        for column, value in changes.items():
-            material.trials.loc[0, column] = value
-        if changes.get("simulated") is False:
-            material.trials["simulated"] = False
-        results = json.loads((folder.derivatives / "results.json").read_text(encoding="utf-8"))
-        results |= run(material.protocol.analysis, material.trials).to_dict()
-        return html(material, results, [])
-
-    return page
+    """Give `page_of` for that study."""
+    return partial(page_of, folder)
 
 
 def test_the_page_needs_nothing_else_and_is_the_same_each_time(recorded_study: Callable[[], Path]) -> None:
@@ -109,6 +111,18 @@ def test_numbers_are_bound_to_the_trials(analysed: Callable[..., str], folder: S
     assert was != becomes
     assert f"<td>{was}</td>" in analysed()
     assert f"<td>{becomes}</td>" in analysed(heart_rate_mean_bpm=299.0)
+
+
+def test_percentiles_are_told_only_of_dances_that_aim_at_them(
+    analysed: Callable[..., str], folder: StudyFolder, tmp_path: Path
+) -> None:
+    assert "energies aim at percentiles 25 (light) and 75 (intense)" in analysed()
+    copy = StudyFolder(Path(copytree(folder.path, tmp_path / "small")))
+    for path in copy.dances.glob("*.json"):
+        path.write_text(path.read_text(encoding="utf-8").replace('"studykit"', '"paper"'), encoding="utf-8")
+    text = page_of(copy)
+    assert "with the preset paper" in text
+    assert "percentiles" not in text
 
 
 def test_every_declared_test_and_correlation_stands_on_the_page(analysed: Callable[..., str]) -> None:
