@@ -67,7 +67,9 @@ class IntensityTargets(Part):
     light: float = Field(ge=0.0, le=100.0, description="percentile for light dances")
     intense: float = Field(ge=0.0, le=100.0, description="percentile for intense dances")
     tolerance: float = Field(
-        gt=0.0, le=1.0, description="how far off counts as off, as a share of the target"
+        gt=0.0,
+        le=1.0,
+        description="how sharply the search aims, as a share of the target; dances found are within 0.05",
     )
 
     @model_validator(mode="after")
