@@ -58,7 +58,8 @@ def dance(goal: Goal, library: DanceLibrary, *, seed: int = 0) -> Dance:
         If the library is too small, or no dance as asked was found (preset "studykit"; the preset "paper"
         gives the best it met).
     """
-    require_segments(library, goal.segments)
+    if goal.novelty is None:
+        require_segments(library, goal.segments)
     repertoire = Repertoire(library, goal.preset.variety)
     best, misses = _best_of_chains(goal, repertoire, seed)
     if misses and goal.preset.is_reached:
@@ -89,12 +90,15 @@ def _search(goal: Goal, repertoire: Repertoire, *, seed: int, chain: int) -> Sea
     wanted = goal.segments
     moves = MoveSet(
         repertoire=repertoire,
-        bounds=(max(1, wanted - 2), min(wanted + 2, repertoire.size)),
+        bounds=(
+            max(1, wanted - 2),
+            wanted + 2 if goal.novelty is not None else min(wanted + 2, repertoire.size),
+        ),
         novelty=goal.novelty,
         place=goal.preset.moves,
     )
     start = repertoire.sequence(
-        tuple(int(s) for s in rng.choice(repertoire.size, size=wanted, replace=False))
+        tuple(int(s) for s in rng.choice(repertoire.size, size=wanted, replace=goal.novelty is not None))
     )
     objective = goal.objective()
     found = run(start, objective, moves, goal.preset.schedule, rng=rng, rule=goal.preset.acceptance)

@@ -28,6 +28,9 @@ ENERGY_HIT = 0.05
 # Section 5.6 of the paper, in its unit: energies times body mass in kg.
 _PAPER_ENERGIES = {"light": (56.5, 31.8), "intense": (147.2, 106.5)}
 _PAPER_SPREADS = (88.4, 48.0)
+# 67.4 and 143.1 cannot be values of Eq. 5; they are read as distances of standardised features, of which
+# unrelated vectors are sqrt(2 x 11640) = 152.6 apart: 1 - cos = (d / 152.6)^2.
+_PAPER_VARIETIES = {"easy": 67.4**2 / 23280.0, "hard": 143.1**2 / 23280.0}
 _PAPER_TRANSITION_TOLERANCE_M = 0.03
 
 
@@ -203,10 +206,9 @@ def _energies(
 
 
 def _variety(plan: DancePlan, level: Variety, library: DanceLibrary) -> float:
-    share: float = getattr(plan.variety, level)
     if PRESETS[plan.preset].variety == "cosine":
-        # Unrelated standardised vectors of equal length: 1 - cos = (d / d_unrelated)^2.
-        return share**2
+        return _PAPER_VARIETIES[level]
+    share: float = getattr(plan.variety, level)
     return share * library.calibration.median_distance
 
 

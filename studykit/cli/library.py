@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,7 +25,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print for a machine.")]
 
 @app.command()
 def build(
-    source: Annotated[Path, typer.Argument(help="Folder of takes (.bvh, plain or packed as .xz or .gz).")],
+    source: Annotated[
+        list[Path], typer.Argument(help="Folders of takes (.bvh, plain or packed as .xz or .gz).")
+    ],
     out: Out,
     skeleton: Annotated[
         str | None,
@@ -40,7 +43,7 @@ def build(
     noise_rule: Annotated[str, typer.Option(help="'robust', or 'paper' for the printed rule.")] = "robust",
     seed: Seed = 0,
 ) -> None:
-    """Build a library from your own takes.
+    """Build a library from folders of takes.
 
     How files are read comes from a library.toml beside them, from a built-in recipe that knows the data set,
     or from --skeleton, --fps and --skip.
@@ -51,8 +54,8 @@ def build(
         raise InputError(
             f"there is no noise rule {noise_rule!r}", where="--noise-rule", remedy="say robust or paper"
         )
-    recipe = _recipe(source, skeleton, fps or [], skip)
-    build_library(source, out, recipe, progress=show.progress, noise_rule=noise_rule, seed=seed)
+    sources = {folder: _recipe(folder, skeleton, fps or [], skip) for folder in source}
+    build_library(sources, out, progress=show.progress, noise_rule=noise_rule, seed=seed)
     _print_yield(out)
     _print_info(out)
     show.say(f"Next: studykit demo --library {out}")
@@ -72,23 +75,18 @@ def _recipe(source: Path, skeleton: str | None, fps: list[str], skip: int | None
             takes=(TakeRule(match="*", genre="not stated", performer="not stated"),),
         )
     changes: dict[str, Any] = {} if skip is None else {"skip_frames": skip}
-    rules = []
+    rates = {}
     for rate in fps:
         pattern, _, hertz = rate.rpartition("=")
         try:
-            rules.append((pattern, float(hertz)))
+            rates[pattern] = float(hertz)
         except ValueError:
-            raise InputError(f"cannot read {rate!r}", where="--fps", remedy="write PATTERN=HZ") from None
-    if rules:
-        changes["takes"] = (
-            tuple(
-                TakeRule(match=pattern, genre=rule.genre, performer=rule.performer, frame_rate_hz=hertz)
-                for pattern, hertz in rules
-                for rule in [recipe.rule(pattern.replace("*", "x")) or recipe.takes[-1]]
+            rates[pattern] = 0.0
+        if not (pattern and 0.0 < rates[pattern] < math.inf):
+            raise InputError(
+                f"cannot read {rate!r}", where="--fps", remedy="write PATTERN=HZ, such as 'salsa/*=60'"
             )
-            + recipe.takes
-        )
-    return recipe.model_copy(update=changes)
+    return recipe.model_copy(update=changes | {"frame_rates_hz": rates | recipe.frame_rates_hz})
 
 
 @app.command()
@@ -108,12 +106,14 @@ def sample(
 @app.command()
 def fetch(
     name: Annotated[str, typer.Argument(help="Name of a public data set, such as cmu-dance.")],
-    out: Out,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the takes; takes/NAME if not given.")
+    ] = None,
 ) -> None:
     """Bring public dances from their origin; every file is checked, and a broken download is continued."""
     from studykit.library.fetch import fetch as fetch_data_set
 
-    folder = fetch_data_set(name, out, show.progress)
+    folder = fetch_data_set(name, out or Path("takes") / name, show.progress)
     show.say(f"{name} lies in {folder}.")
     show.say(f"Next: studykit library build {folder} --out libraries/{name}")
 

@@ -44,13 +44,15 @@ def resume(
 def _run(study: Path, participant: str, camera: str, heart_rate: str, *, resume: bool) -> None:
     from studykit.io.protocol_file import default_protocol
     from studykit.library.dance_file import read_dances
+    from studykit.recording.study_folder import StudyFolder
     from studykit.session import open_study
 
-    for name in (camera, heart_rate):
+    for option, name in (("--camera", camera), ("--heart-rate", heart_rate)):
         if name != "simulated":
-            raise InputError(f"there is no device {name!r}", where="--camera", remedy="say simulated")
-    fresh = not (study / "code" / "protocol.toml").exists()
-    opened = open_study(study, protocol=default_protocol() if fresh else None)
+            raise InputError(f"there is no device {name!r}", where=option, remedy="say simulated")
+    folder = StudyFolder(study)
+    dances = read_dances(folder.dances)
+    opened = open_study(study, protocol=None if folder.protocol.exists() else default_protocol())
     session = opened.session(participant)
     begun = session.path.exists()
     if begun and not resume:
@@ -65,9 +67,7 @@ def _run(study: Path, participant: str, camera: str, heart_rate: str, *, resume:
             where=study,
             remedy="use 'studykit session run'",
         )
-    record = asyncio.run(
-        session.run(read_dances(opened.folder.dances), camera="simulated", heart_rate="simulated")
-    )
+    record = asyncio.run(session.run(dances, camera="simulated", heart_rate="simulated"))
     opened.write_bids()
     danced = sum(step.phase == "perform" and step.is_complete for step in record.steps)
     show.say(f"Participant {participant}: {danced} dances recorded in {session.path}. SIMULATED.")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -101,7 +101,7 @@ def read_takes(folder: Path, recipe: Recipe) -> Iterator[Take]:
         rule = recipe.rule(name)
         assert rule is not None  # noqa: S101 - takes_in gives only these
         motion = to_smpl(
-            read_bvh(path), recipe.skeleton, units_m=recipe.units_m, frame_rate_hz=rule.frame_rate_hz
+            read_bvh(path), recipe.skeleton, units_m=recipe.units_m, frame_rate_hz=recipe.frame_rate(name)
         )
         if len(motion) < recipe.skip_frames + 2:
             raise InputError(
@@ -294,9 +294,17 @@ def _count(table: pd.DataFrame, column: str) -> dict[str, int]:
 
 
 def build(
-    folder: Path, out: Path, recipe: Recipe, *, progress: Progress = silent, **options: Any
+    sources: Mapping[Path, Recipe], out: Path, *, progress: Progress = silent, **options: Any
 ) -> DanceLibrary:
-    """Build a library from a folder of takes; see `write_library` for the options."""
-    total = len(takes_in(Path(folder), recipe))
-    takes = progress(read_takes(Path(folder), recipe), label="Reading takes", total=total)
-    return write_library(takes, out, name=recipe.data_set, **options)
+    """Build one library from folders of takes and how each is read; see `write_library` for the options.
+
+    Takes of several folders are told apart by the name of their data set.
+    """
+    total = sum(len(takes_in(Path(folder), recipe)) for folder, recipe in sources.items())
+    takes = (
+        take if len(sources) == 1 else replace(take, name=f"{recipe.data_set}/{take.name}")
+        for folder, recipe in sources.items()
+        for take in read_takes(Path(folder), recipe)
+    )
+    name = "+".join(dict.fromkeys(recipe.data_set for recipe in sources.values()))
+    return write_library(progress(takes, label="Reading takes", total=total), out, name=name, **options)

@@ -11,6 +11,7 @@ import numpy as np
 
 from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
+from studykit.core.provenance import sha256_of_file
 from studykit.io.bvh import bvh_text
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
@@ -55,7 +56,8 @@ def write_dances(dances: Mapping[str, Dance], folder: str | Path) -> None:
                 mocap_framerate=np.array(motion.frame_rate_hz),
             )
             (folder / f"{condition}.bvh").write_text(bvh_text(motion), encoding="utf-8")
-            text = json.dumps(dance.to_dict(), indent=1, ensure_ascii=False)
+            digest = sha256_of_file(folder / f"{condition}.npz")
+            text = json.dumps(dance.to_dict() | {"motion_sha256": digest}, indent=1, ensure_ascii=False)
             (folder / f"{condition}.json").write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         reason = error.strerror or str(error)
@@ -70,26 +72,32 @@ def read_dance(folder: str | Path, condition: str) -> Dance:
     Raises
     ------
     InputError
-        If it is not there or one of its files is broken.
+        If it is not there, one of its files is broken, or its movement was changed.
     """
     stem = Path(folder) / condition
     try:
         values = json.loads(stem.with_name(f"{condition}.json").read_text(encoding="utf-8"))
-        # NumPy leaves an archive that it cannot read open; a file of our own is closed.
-        archive = stem.with_name(f"{condition}.npz")
-        with archive.open("rb") as file, np.load(file, allow_pickle=False) as saved:
-            poses = saved["poses"]
-            motion = Motion(
-                skeleton=NEUTRAL_BODY,
-                rotations=rotation.exp(poses.reshape(len(poses), -1, 3)),
-                root_positions=saved["trans"] + np.array(NEUTRAL_PELVIS),
-                frame_rate_hz=float(saved["mocap_framerate"]),
-            )
+        motion = _read_motion(stem.with_name(f"{condition}.npz"), values["motion_sha256"])
         return Dance.from_dict(values, motion)
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
         raise InputError(
             f"no dance can be read ({error})", where=stem, remedy="make it again with 'studykit choreograph'"
         ) from error
+
+
+def _read_motion(archive: Path, sha256: str) -> Motion:
+    """Read the movement, if it is the one that was written."""
+    if sha256_of_file(archive) != sha256:
+        raise ValueError("its movement is not the one that was written")
+    # NumPy leaves an archive that it cannot read open; a file of our own is closed.
+    with archive.open("rb") as file, np.load(file, allow_pickle=False) as saved:
+        poses = saved["poses"]
+        return Motion(
+            skeleton=NEUTRAL_BODY,
+            rotations=rotation.exp(poses.reshape(len(poses), -1, 3)),
+            root_positions=saved["trans"] + np.array(NEUTRAL_PELVIS),
+            frame_rate_hz=float(saved["mocap_framerate"]),
+        )
 
 
 def read_dances(folder: str | Path) -> dict[str, Dance]:

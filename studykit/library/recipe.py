@@ -43,7 +43,15 @@ class Recipe(BaseModel):
     """Frames to leave out at the start of each file, such as an added T-pose."""
     recognised_by: tuple[str, ...] = ()
     """Files by which a folder without a library.toml is known as this data set."""
+    frame_rates_hz: dict[str, Annotated[float, Field(gt=0)]] = Field(default_factory=dict)
+    """True rates by pattern; they go before those of the takes."""
     takes: tuple[TakeRule, ...]
+
+    def frame_rate(self, name: str) -> float | None:
+        """Give the true rate of a take, Hz, or None where that in its file is right."""
+        rates = [rate for pattern, rate in self.frame_rates_hz.items() if fnmatch(name, pattern)]
+        rule = self.rule(name)
+        return rates[0] if rates else (rule.frame_rate_hz if rule else None)
 
     def rule(self, name: str) -> TakeRule | None:
         """Give the first rule that matches a take's path, or None if the take is not meant."""

@@ -49,7 +49,7 @@ def takes(cmu: Path) -> dict[str, BvhTake]:
 @pytest.fixture(scope="session")
 def library_folder(cmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("libraries") / "cmu"
-    build(cmu, out, find_recipe(cmu))
+    build({cmu: find_recipe(cmu)}, out)
     return out
 
 
@@ -229,7 +229,7 @@ def test_six_takes_built_twice_give_the_same_bytes(cmu: Path, tmp_path: Path) ->
         link.parent.mkdir(parents=True, exist_ok=True)
         link.symlink_to(cmu / f"{name}.bvh.xz")
     for out in ("one", "two"):
-        build(tmp_path / "takes", tmp_path / out, find_recipe(cmu), seed=3)
+        build({tmp_path / "takes": find_recipe(cmu)}, tmp_path / out, seed=3)
     first, second = (
         {path.name: path.read_bytes() for path in (tmp_path / out).iterdir()} for out in ("one", "two")
     )

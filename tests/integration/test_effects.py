@@ -41,7 +41,7 @@ def dances(
         library = sk.library.make_sample(folder)
     else:
         takes = shared_data("motion/cmu-bvh-acrnn")
-        library = build(takes, folder, find_recipe(takes))
+        library = build({takes: find_recipe(takes)}, folder)
     return sk.choreograph(shortened(8), library, seed=3)
 
 

@@ -78,7 +78,7 @@ def takes_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def built_folder(takes_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("libraries") / "three-takes"
-    build(takes_folder, out, find_recipe(takes_folder), seed=5)
+    build({takes_folder: find_recipe(takes_folder)}, out, seed=5)
     return out
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -141,12 +142,12 @@ def test_the_paper_s_rule_keeps_less(takes_folder: Path, built_folder: Path, tmp
     rows = pd.read_csv(built_folder / "yield.csv")
     assert rows["segments_paper"].sum() < rows["segments_kept"].sum()
     with pytest.raises(InputError, match=r"^three-takes: (no segment is left|\d segments)"):
-        build(takes_folder, tmp_path / "paper", find_recipe(takes_folder), noise_rule="paper")
+        build({takes_folder: find_recipe(takes_folder)}, tmp_path / "paper", noise_rule="paper")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_the_same_takes_give_the_same_bytes(takes_folder: Path, built_folder: Path, tmp_path: Path) -> None:
-    build(takes_folder, tmp_path / "again", find_recipe(takes_folder), seed=5)
+    build({takes_folder: find_recipe(takes_folder)}, tmp_path / "again", seed=5)
     names = sorted(path.name for path in built_folder.iterdir())
     assert names == sorted(path.name for path in (tmp_path / "again").iterdir())
     for name in names:
@@ -185,7 +186,7 @@ class TestBadInput:
     def refusal(folder: Path, out: Path) -> str:
         before = sorted(path for path in out.parent.rglob("*") if path.exists())
         with pytest.raises(InputError) as caught:
-            build(folder, out, find_recipe(folder))
+            build({folder: find_recipe(folder)}, out)
         assert sorted(path for path in out.parent.rglob("*") if path.exists()) == before
         assert str(caught.value).endswith(".")
         assert "\n" not in str(caught.value)
@@ -239,3 +240,16 @@ class TestBadInput:
         assert said.startswith(f"{tmp_path / 'file' / 'out'}: cannot be written (")
         assert said.endswith("choose another folder.")
         assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_two_folders_make_one_library_and_rates_may_be_corrected(takes_folder: Path, tmp_path: Path) -> None:
+    recipe = find_recipe(takes_folder)
+    copy = tmp_path / "copy"
+    shutil.copytree(takes_folder, copy)
+    slower = recipe.model_copy(update={"data_set": "slower", "frame_rates_hz": {"*": 15.0}})
+    both = build({takes_folder: recipe, copy: slower}, tmp_path / "both")
+    assert both.name == f"{recipe.data_set}+slower"
+    names = both.segments.groupby("data_set")["take"].unique()
+    assert all(name.startswith("slower/") for name in names["slower"])
+    counts = both.segments["data_set"].value_counts()
+    assert counts["slower"] > counts[recipe.data_set]

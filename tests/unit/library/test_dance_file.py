@@ -141,6 +141,17 @@ def test_a_broken_dance_is_named(folder: Path, tmp_path: Path, suffix: str, harm
     assert str(caught.value).endswith("; make it again with 'studykit choreograph'.")
 
 
+def test_a_changed_movement_is_not_taken_for_the_dance(folder: Path, tmp_path: Path) -> None:
+    for path in folder.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    archive = tmp_path / "light-easy-on.npz"
+    with np.load(archive) as saved:
+        arrays = dict(saved)
+    np.savez(archive, **(arrays | {"poses": 0.9 * arrays["poses"]}))
+    with pytest.raises(InputError, match="not the one that was written"):
+        read_dance(tmp_path, "light-easy-on")
+
+
 def test_a_folder_without_dances(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no dances here; make them with"):
         read_dances(tmp_path)
