@@ -20,8 +20,8 @@ def main(arguments: list[str] | None = None) -> None:
         code = get_command(app).main(args=arguments, prog_name="studykit", standalone_mode=False)
     except InputError as error:
         _end(f"studykit: {error}", 2)
-    except typer.Abort:
-        _end("studykit: stopped.", 130)
+    except (typer.Abort, KeyboardInterrupt):
+        _end("studykit: stopped; the same command goes on where it was, or begins again.", 130)
     except usage_error as error:
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "studykit"

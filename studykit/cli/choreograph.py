@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
 
@@ -47,7 +47,7 @@ def choreograph(
     from studykit.io.protocol_file import default_protocol, read_protocol
     from studykit.library import open_library
     from studykit.library.dance_file import write_dances
-    from studykit.protocol.condition import Condition
+    from studykit.protocol.condition import Condition, Intensity, Variety
 
     read = read_protocol(protocol or default_protocol())
     plan = _changed(read.dance, duration, preset)
@@ -55,6 +55,10 @@ def choreograph(
     if protocol is not None:
         made = all_dances(read.model_copy(update={"dance": plan}), opened, seed=seed, progress=show.progress)
     else:
+        for option, word, known in (("--intensity", intensity, Intensity), ("--variety", variety, Variety)):
+            if word not in get_args(known):
+                remedy = f"choose {' or '.join(get_args(known))}"
+                raise InputError(f"there is no {word!r}", where=option, remedy=remedy)
         condition = Condition.parse(f"{intensity}-{variety}-on")
         made = {str(condition): dance(goal(plan, condition, opened), opened, seed=seed)}
     write_dances(made, out)

@@ -18,6 +18,15 @@ if TYPE_CHECKING:
 SAMPLE = Path("libraries/synthetic")
 
 
+NEXT = """With dances of your own:
+  studykit library build FOLDER --out libraries/mine
+  studykit demo --library libraries/mine --out sessions/mine
+With a protocol of your own (copy protocols/dance-2x2x2.toml to mine.toml and change it):
+  studykit demo --protocol mine.toml --out sessions/rehearsal
+  studykit choreograph --library libraries/mine --protocol mine.toml --out sessions/study/sourcedata/dances
+  studykit session run --study sessions/study --protocol mine.toml --participant 01"""
+
+
 def demo(
     library: Annotated[
         Path | None, typer.Option(help=f"A dance library; without one, {SAMPLE} is made up.")
@@ -44,7 +53,6 @@ def demo(
     from studykit.analysis import run
     from studykit.choreography import choreograph
     from studykit.library import make_sample, open_library
-    from studykit.library.dance_file import write_dances
     from studykit.protocol.latin_square import assignment, balance
     from studykit.session import open_study
 
@@ -52,7 +60,6 @@ def demo(
     study = open_study(out, protocol=_protocol(protocol, participants))
     opened = make_sample(SAMPLE, progress=show.progress) if library is None else open_library(library)
     dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
-    write_dances(dances, study.folder.dances)
     study.simulate(dances, effects=planted, seed=seed, progress=show.progress, workers=2)
     page = reports.report(out, progress=show.progress)
     results = run(study.protocol.analysis, reports.read_trials(study.folder.derivatives / "trials.csv"))
@@ -73,11 +80,10 @@ def demo(
     show.say(f"  tables    {study.folder.derivatives / 'trials.csv'}, results.json")
     show.say(f"  raw data  {out} (a BIDS data set)")
     show.say()
-    show.say("With dances of your own: studykit library build FOLDER --out libraries/mine")
-    show.say("                         studykit demo --library libraries/mine --out sessions/mine")
     show.say(
-        "With people of your own: copy protocols/dance-2x2x2.toml, then see 'studykit session run --help'"
+        "Their hearts, errors and ratings follow the planted effects of each condition, not the dance itself."
     )
+    show.say(NEXT)
 
 
 def _protocol(given: Path | None, participants: int | None) -> StudyProtocol | Path:

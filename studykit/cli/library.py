@@ -18,6 +18,17 @@ app = typer.Typer(
     help="Dance libraries: build, make up, fetch, look at.", no_args_is_help=True, rich_markup_mode=None
 )
 
+YIELD_HEADS = {
+    "take": "take",
+    "duration_s": "seconds",
+    "segments_possible": "segments possible",
+    "segments_kept": "kept",
+    "segments_paper": "kept by the paper's rule",
+    "frames_speed": "frames too fast",
+    "frames_acceleration": "too jerky",
+    "frames_paper": "flagged by the paper's rule",
+}
+
 Out = Annotated[Path, typer.Option("--out", help="The folder to make.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Repeats everything that chance decides.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print for a machine.")]
@@ -45,8 +56,8 @@ def build(
 ) -> None:
     """Build a library from folders of takes.
 
-    How files are read comes from a library.toml beside them, from a built-in recipe that knows the data set,
-    or from --skeleton, --fps and --skip.
+    How files are read comes from a library.toml beside them (the README shows one), from a built-in recipe
+    that knows the data set, or from --skeleton, --fps and --skip.
     """
     from studykit.library.build import build as build_library
 
@@ -58,7 +69,7 @@ def build(
     build_library(sources, out, progress=show.progress, noise_rule=noise_rule, seed=seed)
     _print_yield(out)
     _print_info(out)
-    show.say(f"Next: studykit demo --library {out}")
+    show.say(f"Next: studykit demo --library {out} --out sessions/{out.name}")
 
 
 def _recipe(source: Path, skeleton: str | None, fps: list[str], skip: int | None) -> Recipe:
@@ -100,7 +111,7 @@ def sample(
 
     make_sample(out, segments=segments, seed=seed, progress=show.progress)
     _print_info(out)
-    show.say(f"Next: studykit demo --library {out}")
+    show.say(f"Next: studykit demo --library {out} --out sessions/{out.name}")
 
 
 @app.command()
@@ -171,7 +182,8 @@ def _print_yield(library: Path) -> None:
     from studykit.library.store import read_manifest
 
     read_manifest(library)
-    rows = pd.read_csv(library / "yield.csv").to_dict("records")
+    table = pd.read_csv(library / "yield.csv").round({"duration_s": 1})
+    rows = table.rename(columns=YIELD_HEADS).to_dict("records")
     most = 60
     show.table(rows[:most])
     if len(rows) > most:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,25 +12,47 @@ from studykit.cli import show
 from studykit.cli.library import AsJson
 from studykit.core.errors import InputError
 
+if TYPE_CHECKING:
+    from studykit.choreography.dance import Dance
+    from studykit.session.runner import Session
+    from studykit.session.study import Study
+
 app = typer.Typer(
-    help="Visits of participants: run, resume, list, validate.", no_args_is_help=True, rich_markup_mode=None
+    help="Visits of participants: run, resume, list, export, validate.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
 )
 
 StudyDir = Annotated[Path, typer.Option("--study", help="Folder of the study, such as sessions/pilot.")]
 Participant = Annotated[str, typer.Option("--participant", help="Number of the participant, such as 07.")]
+ProtocolFile = Annotated[
+    Path | None, typer.Option("--protocol", help="The protocol to begin the study with, at the first visit.")
+]
 Device = Annotated[str, typer.Option(help="'simulated': a device with a simulated person before it.")]
 
 
 @app.command()
 def run(
-    study: StudyDir, participant: Participant, camera: Device = "simulated", heart_rate: Device = "simulated"
+    study: StudyDir,
+    participant: Participant,
+    protocol: ProtocolFile = None,
+    camera: Device = "simulated",
+    heart_rate: Device = "simulated",
 ) -> None:
     """Run the visit of one participant, from calibration to the last questionnaire.
 
     The study's folder must hold its dances:
     'studykit choreograph --library DIR --protocol FILE --out STUDY/sourcedata/dances'.
     """
-    _run(study, participant, camera, heart_rate, resume=False)
+    opened, dances = _prepared(study, protocol, camera, heart_rate)
+    session = opened.session(participant)
+    if session.state.started:
+        raise InputError(
+            f"participant {participant} has begun this visit already",
+            where=session.path,
+            remedy="go on with 'studykit session resume'",
+        )
+    _carry_out(opened, session, dances)
 
 
 @app.command()
@@ -38,12 +60,22 @@ def resume(
     study: StudyDir, participant: Participant, camera: Device = "simulated", heart_rate: Device = "simulated"
 ) -> None:
     """Go on with a visit that was interrupted; the step that broke off is kept, marked, and repeated."""
-    _run(study, participant, camera, heart_rate, resume=True)
+    opened, dances = _prepared(study, None, camera, heart_rate)
+    session = opened.session(participant)
+    if not session.state.started:
+        raise InputError(
+            f"participant {participant} has no visit to go on with",
+            where=study,
+            remedy="use 'studykit session run'",
+        )
+    _carry_out(opened, session, dances)
 
 
-def _run(study: Path, participant: str, camera: str, heart_rate: str, *, resume: bool) -> None:
-    from studykit.io.protocol_file import default_protocol
-    from studykit.library.dance_file import read_dances
+def _prepared(
+    study: Path, protocol: Path | None, camera: str, heart_rate: str
+) -> tuple[Study, dict[str, Dance]]:
+    """Open the study and read its dances, before anything is written."""
+    from studykit.library import read_dances
     from studykit.recording.study_folder import StudyFolder
     from studykit.session import open_study
 
@@ -51,26 +83,17 @@ def _run(study: Path, participant: str, camera: str, heart_rate: str, *, resume:
         if name != "simulated":
             raise InputError(f"there is no device {name!r}", where=option, remedy="say simulated")
     folder = StudyFolder(study)
+    if protocol is None and not folder.protocol.exists():
+        raise InputError("there is no study here yet", where=study, remedy="begin it with --protocol FILE")
     dances = read_dances(folder.dances)
-    opened = open_study(study, protocol=None if folder.protocol.exists() else default_protocol())
-    session = opened.session(participant)
-    begun = session.path.exists()
-    if begun and not resume:
-        raise InputError(
-            f"participant {participant} has begun this visit already",
-            where=session.path,
-            remedy="go on with 'studykit session resume'",
-        )
-    if resume and not begun:
-        raise InputError(
-            f"participant {participant} has no visit to go on with",
-            where=study,
-            remedy="use 'studykit session run'",
-        )
+    return open_study(study, protocol=protocol), dances
+
+
+def _carry_out(study: Study, session: Session, dances: dict[str, Dance]) -> None:
     record = asyncio.run(session.run(dances, camera="simulated", heart_rate="simulated"))
-    opened.write_bids()
+    study.write_bids()
     danced = sum(step.phase == "perform" and step.is_complete for step in record.steps)
-    show.say(f"Participant {participant}: {danced} dances recorded in {session.path}. SIMULATED.")
+    show.say(f"Participant {record.participant}: {danced} dances recorded in {session.path}. SIMULATED.")
 
 
 @app.command("list")
@@ -97,15 +120,37 @@ def list_sessions(study: StudyDir, *, json: AsJson = False) -> None:
 
 
 @app.command()
+def export(study: StudyDir) -> None:
+    """Write the BIDS files of all visits again, from what was recorded."""
+    from studykit.session import open_study
+
+    opened = open_study(study)
+    opened.write_bids()
+    show.say(f"{study} is a BIDS data set of {len(opened.sessions())} recorded visits.")
+
+
+@app.command()
 def validate(study: StudyDir) -> None:
-    """Check every journal's chain of digests and every recorded frame; nothing is changed."""
+    """Check every journal's chain of digests, every recorded frame and every dance; nothing is changed."""
+    from studykit.library import read_dances
     from studykit.session import open_study
 
     opened = open_study(study)
     records = opened.sessions()
+    if not records:
+        raise InputError("nothing has been recorded yet", where=study, remedy="run a visit first")
+    shown = {name: dance.sha256 for name, dance in read_dances(opened.folder.dances).items()}
     frames = 0
     for record in records:
+        if dict(record.dance_sha256) != shown:
+            raise InputError(
+                "the dances in the folder are not those that were shown",
+                where=record.journal,
+                remedy="put back the dances that were shown",
+            )
         for step in record.steps:
             if step.phase == "perform" and step.is_complete:
                 frames += len(record.frames(step.step))
-    show.say(f"{len(records)} journals are whole, {frames} frames of dancing can be read.")
+    show.say(
+        f"Whole: {len(records)} of {len(records)} journals, {len(shown)} dances, {frames} frames of dancing."
+    )

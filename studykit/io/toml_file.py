@@ -111,7 +111,7 @@ def _text(path: Path) -> str:
         return path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         names = sorted(file.name for file in path.parent.glob("*.toml")) if path.parent.is_dir() else []
-        close = get_close_matches(path.name, names, n=1)
+        close = get_close_matches(path.name, names, n=1, cutoff=0.8)
         remedy = f"use {path.parent / close[0]} if that was meant" if close else "check the path"
         raise InputError("there is no such file", where=path, remedy=remedy) from None
     except UnicodeDecodeError:

@@ -37,9 +37,12 @@ def write_dances(dances: Mapping[str, Dance], folder: str | Path) -> None:
             )
     there = {condition for condition in dances if (folder / f"{condition}.json").exists()}
     for condition in sorted(there):
-        if read_dance(folder, condition).sha256 != dances[condition].sha256:
+        other = read_dance(folder, condition)
+        if other.sha256 != dances[condition].sha256:
             raise InputError(
-                f"another dance {condition} is there already", where=folder, remedy="choose another folder"
+                f"another dance {condition} is there already (seed {other.seed})",
+                where=folder,
+                remedy="choose another folder",
             )
     try:
         folder.mkdir(parents=True, exist_ok=True)

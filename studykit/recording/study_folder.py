@@ -76,5 +76,15 @@ class StudyFolder:
         return self.path / f"sub-{participant}" / f"ses-{session}" / "motion"
 
     def sessions(self) -> tuple[Path, ...]:
-        """Give the journals of all sessions recorded so far, in the order of their names."""
-        return tuple(sorted(self.journals.glob("sub-*_ses-*.jsonl")))
+        """Give the journals of all sessions recorded so far, in the order of their names.
+
+        A journal whose very first line was cut off holds nothing and does not count; running or resuming
+        that session takes it up.
+        """
+        journals = sorted(self.journals.glob("sub-*_ses-*.jsonl"))
+        return tuple(path for path in journals if _has_a_line(path))
+
+
+def _has_a_line(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.readline().endswith(b"\n")

@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from studykit.choreography.dance import Dance
 from studykit.core.clock import Clock
 from studykit.core.errors import InputError
 from studykit.core.provenance import versions
 from studykit.devices.depth_camera import CameraFrame
 from studykit.devices.device import Device
 from studykit.devices.heart_rate import HeartRateSample
+from studykit.library.dance_file import write_dances
 from studykit.motion.skeleton import JOINT_NAMES
 from studykit.participant.effects import Effects
 from studykit.participant.person import Person
@@ -115,6 +117,7 @@ class Session:
         setting = set_up(equipment, participant, state)
         check_dances(dances, self.protocol)
         self._check_continuation(state, setting, dances)
+        keep(dances, self.folder)
         if setting.participant is not None:
             plant(self.folder.planted, effects=self.effects, seed=self.seed, people=self.people)
         steps = [build(planned, dances) for planned in plan(self.protocol, self.sequence)]
@@ -188,12 +191,23 @@ def check_dances(dances: Mapping[str, ShownDance], protocol: StudyProtocol) -> N
             )
 
 
+def keep(dances: Mapping[str, ShownDance], folder: StudyFolder) -> None:
+    """Write the dances that are shown into the study, unless they are there; results are told against them.
+
+    Raises
+    ------
+    InputError
+        If other dances are there already, or the folder cannot be written.
+    """
+    write_dances({name: dance for name, dance in dances.items() if isinstance(dance, Dance)}, folder.dances)
+
+
 def already_recorded(journal: Path) -> InputError:
     """Give the error for a visit that is over."""
     return InputError(
         "this visit has been recorded to its end",
         where=journal,
-        remedy="choose another participant or give the visit another number",
+        remedy="choose another participant",
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import multiprocessing
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ from studykit.recording.journal import unwritable
 from studykit.recording.session_record import SessionRecord, read_session
 from studykit.recording.study_folder import StudyFolder
 from studykit.session.planted import plant
-from studykit.session.runner import Session, already_recorded, check_dances
+from studykit.session.runner import Session, already_recorded, check_dances, keep
 from studykit.session.step import ShownDance
 
 
@@ -58,7 +59,11 @@ def open_study(path: Path | str, *, protocol: StudyProtocol | Path | str | None 
             )
         return Study(folder=folder, protocol=frozen)
     if given is None:
-        raise InputError("there is no study here", where=folder.path, remedy="give a protocol to begin one")
+        raise InputError(
+            "there is no study here",
+            where=folder.path,
+            remedy="name the folder of a study, or give a protocol to begin one",
+        )
     try:
         folder.protocol.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -165,6 +170,7 @@ class Study:
             How many visits are simulated at once; the result is the same.
         """
         check_dances(dances, self.protocol)
+        keep(dances, self.folder)
         shown = {condition: _Shown.of(dances[condition]) for condition in self.protocol.conditions_list()}
         plant(self.folder.planted, effects=effects, seed=seed, people=cohort(len(self.participants), seed))
         over = {r.participant: r for r in self.sessions() if r.completed and r.session == "01"}
@@ -208,8 +214,6 @@ class _Visit:
 
 def _carried_out(visits: list[_Visit], workers: int) -> Iterator[None]:
     if workers > 1 and len(visits) > 1:
-        import multiprocessing
-
         context = multiprocessing.get_context("spawn")  # the same on every system
         with ProcessPoolExecutor(workers, mp_context=context) as pool:
             yield from pool.map(_carry_out, visits)
@@ -219,6 +223,9 @@ def _carried_out(visits: list[_Visit], workers: int) -> Iterator[None]:
 
 
 def _carry_out(visit: _Visit) -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None and not parent.is_alive():
+        return  # whoever asked for the visits was killed; the next run takes them up
     session = visit.session
     record = asyncio.run(session.run(visit.dances))
     motion_bids.write_session(session.folder, session.protocol, record)

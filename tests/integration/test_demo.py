@@ -109,8 +109,8 @@ def test_the_yield_of_every_take_and_the_segments_of_every_dance_are_printed(
     takes = pd.read_csv(library / "yield.csv")
     assert len(takes) == 24
     assert all(said.count(f"{take} ") == 1 for take in takes["take"])
-    for column in ("segments_kept", "segments_paper", "frames_speed", "frames_acceleration", "frames_paper"):
-        assert column in said
+    for head in ("segments possible", "kept by the paper's rule", "frames too fast", "too jerky"):
+        assert head in said
     distinct = []
     for variety in ("easy", "hard"):
         run("choreograph", "--library", library, "--variety", variety, "--out", tmp_path / variety)
@@ -128,8 +128,8 @@ def test_twenty_people_would_stay_below_200_megabytes(studies: tuple[Path, Path]
     assert 20 * a_person + rest < 200e6
 
 
-def test_a_second_run_adds_nothing_to_what_was_recorded(
-    studies: tuple[Path, Path], folder: Path, protocol: Path
+def test_a_second_run_adds_nothing_to_what_was_recorded_and_says_what_is_there(
+    studies: tuple[Path, Path], folder: Path, protocol: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = studies[1]
     before = {name: path.stat().st_mtime_ns for name, path in files(study / "sourcedata")}
@@ -137,6 +137,10 @@ def test_a_second_run_adds_nothing_to_what_was_recorded(
         run(step, study)
     library = folder / "library"
     run("demo", "--library", library, "--protocol", protocol, "--seed", 3, "--out", study)
+    said = capsys.readouterr()
+    for words in ("SIMULATED", "SYNTHETIC", str(study / "derivatives"), "studykit library build", "8 of 8"):
+        assert words in said.out
+    assert "Choreographing" in said.err
     after = {name: path.stat().st_mtime_ns for name, path in files(study / "sourcedata" / "journal")}
     assert after == {name: before[f"journal/{name}"] for name in after}
 
@@ -149,7 +153,7 @@ def test_a_visit_from_the_command_line_cannot_be_run_twice(
         shutil.copytree(studies[0] / part, study / part)
     run("session", "run", "--study", study, "--participant", "02")
     run("session", "validate", "--study", study)
-    assert "1 journals are whole" in capsys.readouterr().out
+    assert "Whole: 1 of 1 journals, 8 dances" in capsys.readouterr().out
     run("session", "list", "--study", study, "--json")
     visits = {row["participant"]: row["visit"] for row in json.loads(capsys.readouterr().out)}
     assert visits == {"01": "not yet", "02": "complete", "03": "not yet", "04": "not yet"}
