@@ -164,3 +164,13 @@ def test_wrong_words_are_answered_with_the_right_ones(
     monkeypatch.chdir(tmp_path)
     assert said in refused(*arguments)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_visit_begins_only_with_a_protocol_and_dances(refused: Refused, tmp_path: Path) -> None:
+    study = tmp_path / "study"
+    assert "--protocol" in refused("session", "run", "--study", study, "--participant", "01")
+    protocol = default_protocol()
+    assert "dances" in refused(
+        "session", "run", "--study", study, "--participant", "01", "--protocol", protocol
+    )
+    assert not study.exists()

@@ -228,3 +228,16 @@ def test_the_validator_sees_a_missing_sampling_frequency_and_a_wrong_channel(
     errors = {issue["code"] for issue in issues if issue["severity"] == "error"}
     assert code != 0
     assert errors == {"SIDECAR_KEY_REQUIRED", "TSV_VALUE_INCORRECT_TYPE"}
+
+
+def test_a_journal_cut_off_at_birth_stops_nobody_and_is_taken_up(
+    tmp_path: Path, small_protocol: StudyProtocol, small_dances: dict[str, Any]
+) -> None:
+    study = open_study(tmp_path / "study", protocol=small_protocol)
+    cut = study.folder.journal("01", "01")
+    for beginning in (b"", b'{"number": 1, "ti'):
+        cut.parent.mkdir(parents=True, exist_ok=True)
+        cut.write_bytes(beginning)
+        assert study.sessions() == ()
+    study.simulate(small_dances, seed=2)
+    assert [record.completed for record in study.sessions()] == [True, True]

@@ -54,7 +54,7 @@ def test_another_protocol_is_refused_and_nothing_is_touched(
 
 
 def test_a_folder_without_a_study_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there is no study here; give a protocol"):
+    with pytest.raises(InputError, match="there is no study here; name the folder"):
         open_study(tmp_path / "pilot")
     assert not (tmp_path / "pilot").exists()
 
