@@ -66,7 +66,7 @@ def choreograph(
         show.as_json({name: made[name].to_dict() | {"trace": []} for name in made})
         return
     print_dances(made, opened)
-    show.say(f"{len(made)} dances in {out}: .bvh opens in Blender, .npz is SMPL in the layout of AMASS.")
+    show.say(f"Written to {out}: .bvh opens in Blender, .npz is SMPL in the layout of AMASS.")
 
 
 def _changed(plan: DancePlan, duration: float | None, preset: str | None) -> DancePlan:
