@@ -12,7 +12,7 @@ from studykit.cli import show
 from studykit.core.errors import InputError
 
 if TYPE_CHECKING:
-    from studykit.library.recipe import Recipe
+    from studykit.io.datasets.recipe import Recipe
 
 app = typer.Typer(
     help="Dance libraries: build, make up, fetch, look at.", no_args_is_help=True, rich_markup_mode=None
@@ -73,7 +73,8 @@ def build(
 
 
 def _recipe(source: Path, skeleton: str | None, fps: list[str], skip: int | None) -> Recipe:
-    from studykit.library.recipe import Recipe, TakeRule, find_recipe
+    from studykit.io.datasets.read import find_recipe
+    from studykit.io.datasets.recipe import Recipe, TakeRule
 
     if skeleton is None:
         recipe = find_recipe(source)

@@ -10,42 +10,12 @@ import numpy as np
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.io.packed import read_text
+from studykit.io.skeletal_take import SkeletalTake
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
 
 _AGAIN = "export the take again"
 _CHANNELS = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class BvhTake:
-    """A BVH file as it stands: its own skeleton, its own units, its own frame time.
-
-    Parameters
-    ----------
-    path : Path
-        Where it was read.
-    joint_names : tuple of str
-        The joints in the order of the file.
-    parents : tuple of int
-        The parent of each joint, -1 for the root.
-    offsets : ndarray, shape (joint, 3)
-        Rest offsets in the file's unit.
-    rotations : ndarray, shape (frame, joint, 4)
-        Parent-relative unit quaternions.
-    root_positions : ndarray, shape (frame, 3)
-        In the file's unit.
-    frame_rate_hz : float
-        What the file says; for some public takes this is wrong.
-    """
-
-    path: Path
-    joint_names: tuple[str, ...]
-    parents: tuple[int, ...]
-    offsets: Floats
-    rotations: Floats
-    root_positions: Floats
-    frame_rate_hz: float
 
 
 @dataclass(slots=True)
@@ -56,7 +26,7 @@ class _Joint:
     channels: tuple[str, ...] = ()
 
 
-def read_bvh(path: Path) -> BvhTake:
+def read_bvh(path: Path) -> SkeletalTake:
     """Read a BVH file, plain or packed (.xz, .gz).
 
     Raises
@@ -84,7 +54,7 @@ def read_bvh(path: Path) -> BvhTake:
                 if name in columns:
                     root_positions[:, axis] += values[:, columns[name]]
         column += len(joint.channels)
-    return BvhTake(
+    return SkeletalTake(
         path=path,
         joint_names=tuple(joint.name for joint in joints),
         parents=tuple(joint.parent for joint in joints),

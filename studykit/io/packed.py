@@ -1,4 +1,4 @@
-"""Text files, plain or packed."""
+"""Files, plain or packed, of bounded size."""
 
 from __future__ import annotations
 
@@ -6,26 +6,43 @@ import gzip
 import lzma
 import zlib
 from pathlib import Path
+from typing import Any
 
 from studykit.core.errors import InputError
 
 PACKED = (".xz", ".gz")
+LARGEST_BYTES = 2**30
+"""No take is larger than this (an hour at 120 Hz as text); what unpacks to more is not a take."""
+
+_CHUNK = 1 << 20
 
 
-def read_text(path: Path) -> str:
-    """Read a text file; one that ends in .xz or .gz is unpacked on the way.
+def files_ending(folder: Path, *endings: str) -> list[Path]:
+    """List the files below a folder with one of the endings, plain or packed, in the order of their names."""
+    wanted = tuple(f"{ending}{packed}" for ending in endings for packed in ("", *PACKED))
+    return sorted(path for path in folder.rglob("*") if path.name.lower().endswith(wanted) and path.is_file())
+
+
+def read_bytes(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> bytes:
+    """Read a file; one that ends in .xz or .gz is unpacked on the way, and never further than is allowed.
 
     Raises
     ------
     InputError
-        If the file cannot be read, is not what its ending says, or is not text.
+        If the file cannot be read, is not what its ending says, or holds more than `largest_bytes`.
     """
+    opener: Any = {".xz": lzma.open, ".gz": gzip.open}.get(path.suffix, open)
+    data = bytearray()
     try:
-        data = path.read_bytes()
-        if path.suffix == ".xz":
-            data = lzma.decompress(data)
-        elif path.suffix == ".gz":
-            data = gzip.decompress(data)
+        with opener(path, "rb") as file:
+            while chunk := file.read(_CHUNK):
+                data += chunk
+                if len(data) > largest_bytes:
+                    raise InputError(
+                        f"holds more than {largest_bytes / 2**20:.0f} MiB",
+                        where=path,
+                        remedy="it is not a take, or must be cut into several",
+                    )
     except (lzma.LZMAError, gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise InputError(
             f"broken {path.suffix} file ({error})", where=path, remedy="copy it again"
@@ -35,6 +52,12 @@ def read_text(path: Path) -> str:
         raise InputError(
             f"cannot be read ({reason})", where=path, remedy="check the path and its rights"
         ) from error
+    return bytes(data)
+
+
+def read_text(path: Path) -> str:
+    """Read a text file, plain or packed; see `read_bytes`. What is not UTF-8 is taken for Latin-1."""
+    data = read_bytes(path)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from studykit.core.errors import InputError
-from studykit.io.bvh import BvhTake
+from studykit.io.skeletal_take import SkeletalTake
 from studykit.motion import kinematics, rotation
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
@@ -67,7 +67,7 @@ SKELETON_MAPS: dict[str, SkeletonMap] = {
 """Skeletons whose zero pose is a T-pose with SMPL's axes, so that rotations carry over."""
 
 
-def to_smpl(take: BvhTake, skeleton: str, *, units_m: float, frame_rate_hz: float | None = None) -> Motion:
+def to_smpl(take: SkeletalTake, skeleton: str, *, units_m: float) -> Motion:
     """Carry a take over to SMPL's body.
 
     Every bone of SMPL is turned, against its T-pose, as the foreign bone that drives it is turned against
@@ -75,14 +75,12 @@ def to_smpl(take: BvhTake, skeleton: str, *, units_m: float, frame_rate_hz: floa
 
     Parameters
     ----------
-    take : BvhTake
+    take : SkeletalTake
         What was read.
     skeleton : str
         A key of `SKELETON_MAPS`.
     units_m : float
         The file's unit of length, in metres.
-    frame_rate_hz : float, optional
-        The true rate where the file's is wrong.
 
     Raises
     ------
@@ -115,11 +113,11 @@ def to_smpl(take: BvhTake, skeleton: str, *, units_m: float, frame_rate_hz: floa
         skeleton=NEUTRAL_BODY,
         rotations=kinematics.local_rotations(NEUTRAL_BODY, world),
         root_positions=take.root_positions * units_m * _leg_ratio(take, joints, units_m),
-        frame_rate_hz=take.frame_rate_hz if frame_rate_hz is None else frame_rate_hz,
+        frame_rate_hz=take.frame_rate_hz,
     )
 
 
-def _leg_ratio(take: BvhTake, joints: SkeletonMap, units_m: float) -> float:
+def _leg_ratio(take: SkeletalTake, joints: SkeletonMap, units_m: float) -> float:
     """Length of our leg over the length of theirs, thigh and shank."""
     theirs = sum(
         float(np.linalg.norm(take.offsets[take.joint_names.index(joints[name])]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,15 +14,13 @@ import numpy as np
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
-from studykit.core.provenance import sha256_of_bytes, versions
+from studykit.core.provenance import versions
 from studykit.core.seeding import stream
-from studykit.io.bvh import read_bvh
-from studykit.io.packed import PACKED
-from studykit.io.skeleton_map import to_smpl
+from studykit.io.datasets.read import files_in, read_takes
+from studykit.io.datasets.recipe import Recipe
+from studykit.io.datasets.take import Take
 from studykit.library import store
 from studykit.library.calibrate import calibrate, fit_scaler
-from studykit.library.recipe import Recipe
-from studykit.library.take import Take, TakeSource
 from studykit.motion import cleaning, energy, features, kinematics
 from studykit.motion.motion import Motion
 from studykit.motion.resampling import resampled
@@ -73,64 +71,6 @@ class TakeYield:
     frames_speed: int
     frames_acceleration: int
     frames_paper: int
-
-
-def takes_in(folder: Path, recipe: Recipe) -> list[Path]:
-    """List the take files of a folder that a recipe means, in the order of their names.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
-    if not folder.is_dir():
-        raise InputError("there is no such folder", where=folder, remedy="check the path")
-    found = [path for path in sorted(folder.rglob("*")) if _plain_name(path, folder).endswith(".bvh")]
-    meant = [path for path in found if recipe.rule(_plain_name(path, folder)) is not None]
-    if not meant:
-        raise InputError(
-            "no take to read", where=folder, remedy="give a folder of .bvh files that the recipe names"
-        )
-    return meant
-
-
-def read_takes(folder: Path, recipe: Recipe) -> Iterator[Take]:
-    """Read the takes of a folder one by one, on SMPL's body, without the frames to skip."""
-    for path in takes_in(folder, recipe):
-        name = _plain_name(path, folder)
-        rule = recipe.rule(name)
-        assert rule is not None  # noqa: S101 - takes_in gives only these
-        motion = to_smpl(
-            read_bvh(path), recipe.skeleton, units_m=recipe.units_m, frame_rate_hz=recipe.frame_rate(name)
-        )
-        if len(motion) < recipe.skip_frames + 2:
-            raise InputError(
-                f"has {len(motion)} frames, {recipe.skip_frames} are to be skipped",
-                where=path,
-                remedy="remove the file or lower skip_frames",
-            )
-        yield Take(
-            name=name.removesuffix(".bvh"),
-            motion=Motion(
-                skeleton=motion.skeleton,
-                rotations=motion.rotations[recipe.skip_frames :],
-                root_positions=motion.root_positions[recipe.skip_frames :],
-                frame_rate_hz=motion.frame_rate_hz,
-            ),
-            source=TakeSource(
-                data_set=recipe.data_set,
-                performer=rule.performer,
-                genre=rule.genre,
-                licence=recipe.licence,
-                is_synthetic=False,
-                sha256=sha256_of_bytes(path.read_bytes()),
-            ),
-        )
-
-
-def _plain_name(path: Path, folder: Path) -> str:
-    name = path.relative_to(folder).as_posix()
-    return name.removesuffix(path.suffix) if path.suffix in PACKED else name
 
 
 def write_library(
@@ -300,11 +240,12 @@ def build(
 
     Takes of several folders are told apart by the name of their data set.
     """
-    total = sum(len(takes_in(Path(folder), recipe)) for folder, recipe in sources.items())
+    total = sum(len(files_in(Path(folder), recipe)) for folder, recipe in sources.items())
     takes = (
         take if len(sources) == 1 else replace(take, name=f"{recipe.data_set}/{take.name}")
         for folder, recipe in sources.items()
-        for take in read_takes(Path(folder), recipe)
+        for path in files_in(Path(folder), recipe)
+        for take in read_takes(path, Path(folder), recipe)
     )
     name = "+".join(dict.fromkeys(recipe.data_set for recipe in sources.values()))
     return write_library(progress(takes, label="Reading takes", total=total), out, name=name, **options)

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_file
-from studykit.library.recipe import FILE_NAME, built_in_recipes
+from studykit.io.datasets.recipe import FILE_NAME, built_in_recipes
 
 _TIMEOUT_S: Final = 30.0
 _ATTEMPTS: Final = 3

@@ -11,9 +11,9 @@ from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.core.seeding import stream
+from studykit.io.datasets.take import Take, TakeSource
 from studykit.library import store, synthesis
 from studykit.library.build import write_library
-from studykit.library.take import Take, TakeSource
 from studykit.motion.motion import Motion
 
 DATA_SET: Final = "studykit-synthetic"

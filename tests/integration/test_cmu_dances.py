@@ -18,12 +18,13 @@ from studykit.choreography.dance import Dance
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.choreography.goal import goals
 from studykit.core.errors import InputError
-from studykit.io.bvh import BvhTake, read_bvh
+from studykit.io.bvh import read_bvh
+from studykit.io.datasets.read import find_recipe
 from studykit.io.protocol_file import read_protocol
+from studykit.io.skeletal_take import SkeletalTake
 from studykit.io.skeleton_map import to_smpl
 from studykit.library import open_library
 from studykit.library.build import build
-from studykit.library.recipe import find_recipe
 from studykit.motion import kinematics, rotation
 from studykit.motion.motion import Motion
 from studykit.motion.resampling import resampled
@@ -42,7 +43,7 @@ def cmu(shared_data: Callable[[str], Path]) -> Path:
 
 
 @pytest.fixture(scope="session")
-def takes(cmu: Path) -> dict[str, BvhTake]:
+def takes(cmu: Path) -> dict[str, SkeletalTake]:
     return {name: read_bvh(cmu / f"{name}.bvh.xz") for name in TAKES}
 
 
@@ -76,8 +77,9 @@ def dances(library: DanceLibrary, protocol: StudyProtocol) -> dict[str, Dance]:
 # --- reading ---------------------------------------------------------------------------------------------
 
 
-def smpl(take: BvhTake, rate: float | None = None) -> Motion:
-    return to_smpl(take, "daz", units_m=0.01, frame_rate_hz=rate)
+def smpl(take: SkeletalTake, rate: float | None = None) -> Motion:
+    motion = to_smpl(take, "daz", units_m=0.01)
+    return motion if rate is None else replace(motion, frame_rate_hz=rate)
 
 
 def named(positions: np.ndarray) -> dict[str, np.ndarray]:
@@ -99,7 +101,7 @@ def bends_right(positions: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("name", TAKES)
-def test_knees_bend_the_right_way_and_toes_point_ahead(takes: dict[str, BvhTake], name: str) -> None:
+def test_knees_bend_the_right_way_and_toes_point_ahead(takes: dict[str, SkeletalTake], name: str) -> None:
     positions = kinematics.joint_positions(smpl(takes[name]))
     assert bends_right(positions) > 0.999
     at, facing = named(positions), kinematics.facing(positions)
@@ -116,7 +118,7 @@ def test_another_skeleton_of_the_same_people(shared_data: Callable[[str], Path],
     assert np.ptp(np.percentile(positions[:, 0, 1], [5, 95])) < 1.0  # metres, not centimetres
 
 
-def test_left_is_left_in_the_added_t_pose(takes: dict[str, BvhTake]) -> None:
+def test_left_is_left_in_the_added_t_pose(takes: dict[str, SkeletalTake]) -> None:
     for take in takes.values():
         t_pose = kinematics.centred_positions(NEUTRAL_BODY, smpl(take).rotations[0])
         side = {name: t_pose[joint, 0] for joint, name in enumerate(JOINT_NAMES)}
@@ -125,13 +127,13 @@ def test_left_is_left_in_the_added_t_pose(takes: dict[str, BvhTake]) -> None:
         assert kinematics.facing(t_pose) == pytest.approx(0.0, abs=0.15)
 
 
-def test_rotations_the_wrong_way_round_would_be_noticed(takes: dict[str, BvhTake]) -> None:
+def test_rotations_the_wrong_way_round_would_be_noticed(takes: dict[str, SkeletalTake]) -> None:
     take = takes["salsa/16"]
     transposed = smpl(replace(take, rotations=rotation.inverse(take.rotations)))
     assert bends_right(kinematics.joint_positions(transposed)) < 0.5
 
 
-def test_left_taken_for_right_would_be_noticed(takes: dict[str, BvhTake]) -> None:
+def test_left_taken_for_right_would_be_noticed(takes: dict[str, SkeletalTake]) -> None:
     positions = kinematics.joint_positions(smpl(takes["salsa/16"]))
     assert bends_right(positions * [-1.0, 1.0, 1.0]) < 0.001  # the room mirrored
     assert bends_right(positions[:, NEUTRAL_BODY.mirror]) < 0.001  # the names swapped
@@ -145,7 +147,7 @@ def lifts_per_second(motion: Motion) -> float:
 
 
 @pytest.mark.parametrize("name", ["salsa/01", "salsa/16"])
-def test_salsa_is_danced_at_60_frames_a_second_not_120(takes: dict[str, BvhTake], name: str) -> None:
+def test_salsa_is_danced_at_60_frames_a_second_not_120(takes: dict[str, SkeletalTake], name: str) -> None:
     # Salsa of 165 beats a minute lifts each foot at most three times in eight beats: 1.03 times a second.
     most = 3.0 / (8.0 * 60.0 / 165.0)
     assert takes[name].frame_rate_hz == pytest.approx(120.0, rel=1e-5)  # what the file says

@@ -11,9 +11,9 @@ from scipy.stats import binom
 import studykit as sk
 from studykit.analysis.results import Results
 from studykit.choreography.dance import Dance
+from studykit.io.datasets.read import find_recipe
 from studykit.io.protocol_file import default_protocol
 from studykit.library.build import build
-from studykit.library.recipe import find_recipe
 from studykit.participant.effects import NONE, PAPER, Effects
 from studykit.protocol import StudyProtocol
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from studykit.core.errors import InputError
-from studykit.io.bvh import BvhTake, bvh_text, read_bvh
+from studykit.io.bvh import bvh_text, read_bvh
+from studykit.io.skeletal_take import SkeletalTake
 from studykit.io.skeleton_map import to_smpl
 from studykit.motion import kinematics, rotation
 from studykit.motion.motion import Motion
@@ -51,12 +52,12 @@ Frame Time: .0083333
 """
 
 
-def read(folder: Path, text: str, name: str = "take.bvh") -> BvhTake:
+def read(folder: Path, text: str, name: str = "take.bvh") -> SkeletalTake:
     (folder / name).write_text(text, encoding="utf-8")
     return read_bvh(folder / name)
 
 
-def positions(take: BvhTake) -> np.ndarray:
+def positions(take: SkeletalTake) -> np.ndarray:
     """Give where the joints of a take are, in the file's unit."""
     skeleton = Skeleton(
         joint_names=take.joint_names,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studykit.core.errors import InputError
-from studykit.io.bvh import BvhTake
+from studykit.io.skeletal_take import SkeletalTake
 from studykit.io.skeleton_map import SKELETON_MAPS, to_smpl
 from studykit.motion import kinematics, rotation
 from studykit.motion.skeleton import JOINT_NAMES, NEUTRAL_BODY
@@ -37,13 +37,13 @@ DAZ = (
 )
 
 
-def take(**turns: tuple[float, float, float]) -> BvhTake:
+def take(**turns: tuple[float, float, float]) -> SkeletalTake:
     """Give one frame of the figure with some joints turned (degrees about X, Y, Z)."""
     names = tuple(name for name, _, _ in DAZ)
     rotations = rotation.identity(1, len(names))
     for name, degrees in turns.items():
         rotations[0, names.index(name)] = rotation.exp(np.radians(degrees))
-    return BvhTake(
+    return SkeletalTake(
         path=Path("made/up.bvh"),
         joint_names=names,
         parents=tuple(parent for _, parent, _ in DAZ),
@@ -87,13 +87,12 @@ def test_joints_that_the_take_lacks_move_with_their_parent() -> None:
     assert np.degrees(turned[NEUTRAL_BODY.index("spine3")]) == pytest.approx([30.0, 0.0, 0.0])
 
 
-def test_the_way_is_scaled_to_our_legs_and_the_true_rate_wins() -> None:
-    motion = to_smpl(take(), "daz", units_m=0.01, frame_rate_hz=60.0)
+def test_the_way_is_scaled_to_our_legs_and_the_rate_stays() -> None:
+    motion = to_smpl(take(), "daz", units_m=0.01)
     bones = NEUTRAL_BODY.bone_lengths
     legs = bones[NEUTRAL_BODY.index("left_knee")] + bones[NEUTRAL_BODY.index("left_ankle")]
     assert motion.root_positions[0] == pytest.approx(np.array([0.0, 0.95, 0.10]) * legs / 0.82)
-    assert motion.frame_rate_hz == 60.0
-    assert to_smpl(take(), "daz", units_m=0.01).frame_rate_hz == 120.0
+    assert motion.frame_rate_hz == 120.0
 
 
 @pytest.mark.parametrize("name", SKELETON_MAPS)

@@ -10,8 +10,8 @@ import pytest
 
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.io.bvh import bvh_text
+from studykit.io.datasets.read import find_recipe
 from studykit.library.build import build
-from studykit.library.recipe import find_recipe
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
@@ -43,6 +43,7 @@ def a_take(seed: int, *, frames: int, rate: float) -> Motion:
     turns = rng.normal(scale=0.3, size=(1, 24, 3)) + rng.normal(scale=0.25, size=(1, 24, 3)) * np.sin(
         rng.uniform(1.0, 4.0, size=(1, 24, 3)) * times
     )
+    turns[:, [4, 5]] = np.abs(turns[:, [4, 5]]) * np.array([1.0, 0.0, 0.0])  # knees bend one way only
     return Motion(
         skeleton=NEUTRAL_BODY,
         rotations=rotation.exp(turns),

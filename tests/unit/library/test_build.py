@@ -13,17 +13,20 @@ import pytest
 from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_file
 from studykit.io.bvh import read_bvh
+from studykit.io.datasets.read import files_in, find_recipe, read_takes
+from studykit.io.datasets.take import Take, TakeSource
 from studykit.io.skeleton_map import to_smpl
-from studykit.library.build import build, read_takes, takes_in, write_library
-from studykit.library.recipe import find_recipe
-from studykit.library.take import Take, TakeSource
+from studykit.library.build import build, write_library
 from studykit.motion import energy, features, kinematics
 from studykit.motion.motion import Motion
 from studykit.motion.resampling import resampled
 
 
 def test_takes_are_read_in_order_without_the_frames_to_skip(takes_folder: Path) -> None:
-    takes = list(read_takes(takes_folder, find_recipe(takes_folder)))
+    recipe = find_recipe(takes_folder)
+    takes = [
+        take for path in files_in(takes_folder, recipe) for take in read_takes(path, takes_folder, recipe)
+    ]
     assert [take.name for take in takes] == ["tango", "waltz/01", "waltz/02"]
     assert [len(take.motion) for take in takes] == [800, 960, 750]
     assert [take.motion.frame_rate_hz for take in takes] == pytest.approx([59.94, 60.0, 60.0], rel=1e-5)
@@ -71,7 +74,7 @@ def test_what_became_of_every_take_is_written_down(built_folder: Path) -> None:
 
 
 def test_every_row_is_measured_on_its_own_120_poses(built, takes_folder: Path) -> None:
-    take = to_smpl(read_bvh(takes_folder / "waltz" / "02.bvh.xz"), "smpl", units_m=0.01, frame_rate_hz=60.0)
+    take = to_smpl(read_bvh(takes_folder / "waltz" / "02.bvh.xz"), "smpl", units_m=0.01)
     whole = resampled(
         Motion(
             skeleton=take.skeleton,
@@ -194,11 +197,11 @@ class TestBadInput:
 
     def test_no_takes(self, folder: Path, tmp_path: Path) -> None:
         (folder / "tango.bvh").unlink()
-        assert self.refusal(folder, tmp_path / "out").startswith(f"{folder}: no take to read; give a folder")
+        assert self.refusal(folder, tmp_path / "out").startswith(f"{folder}: no take to read (BVH text")
 
     def test_a_folder_that_vanished(self, folder: Path, tmp_path: Path) -> None:
         with pytest.raises(InputError, match="there is no such folder"):
-            takes_in(tmp_path / "gone", find_recipe(folder))
+            files_in(tmp_path / "gone", find_recipe(folder))
 
     def test_one_take_alone(self, folder: Path, tmp_path: Path) -> None:
         assert self.refusal(folder, tmp_path / "out") == (

@@ -13,8 +13,8 @@ from threading import Thread
 import pytest
 
 from studykit.core.errors import InputError
+from studykit.io.datasets.read import find_recipe
 from studykit.library import fetch as fetching
-from studykit.library.recipe import find_recipe
 
 CONTENT = {"salsa/01.bvh": b"a" * 50_000 + b"b" * 50_000, "indian/04.bvh": bytes(range(256)) * 300}
 

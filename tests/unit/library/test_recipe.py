@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from studykit.core.errors import InputError
-from studykit.library.recipe import built_in_recipes, find_recipe
+from studykit.io.datasets.read import find_recipe
+from studykit.io.datasets.recipe import built_in_recipes
 
 
 def test_the_first_rule_that_matches_holds(takes_folder: Path) -> None:

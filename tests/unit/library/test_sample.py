@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from studykit.core.errors import InputError
+from studykit.io.datasets.take import Take
 from studykit.library import sample
-from studykit.library.take import Take
 from studykit.motion import cleaning, energy, kinematics
 
 

@@ -1,4 +1,4 @@
-"""Takes: one recording each, on their way into a library."""
+"""Takes: one dancer's recording each, on their way into a library."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ class TakeSource:
         Whether studykit made the movement up.
     sha256 : str
         Digest of the file, or of the recipe of a synthetic take.
+    partners : tuple of str
+        Names of the takes danced together with this one, on the same time line.
     """
 
     data_set: str
@@ -33,11 +35,12 @@ class TakeSource:
     licence: str
     is_synthetic: bool
     sha256: str
+    partners: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Take:
-    """One recording: its name within the data set, the movement and its source."""
+    """One recording: its name within the data set, the movement on studykit's body, and its source."""
 
     name: str
     motion: Motion

@@ -1,0 +1,1 @@
+"""Collections of recorded dances, each in its native format: one module and one shape each."""
