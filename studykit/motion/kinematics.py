@@ -25,9 +25,8 @@ def global_rotations(skeleton: Skeleton, rotations: Floats) -> Floats:
     ndarray, shape (..., joint, 4)
     """
     world = np.array(rotations)
-    for joint, parent in enumerate(skeleton.parents):
-        if parent >= 0:
-            world[..., joint, :] = rotation.multiply(world[..., parent, :], rotations[..., joint, :])
+    for joints, parents in skeleton.generations:
+        world[..., joints, :] = rotation.multiply(world[..., parents, :], rotations[..., joints, :])
     return world
 
 
@@ -59,10 +58,9 @@ def centred_positions(skeleton: Skeleton, rotations: Floats) -> Floats:
     """Give where every joint is from the pelvis, shape (..., joint, 3), m; the pelvis stays at the origin."""
     world = global_rotations(skeleton, rotations)
     positions = np.zeros((*rotations.shape[:-1], 3))
-    for joint, parent in enumerate(skeleton.parents):
-        if parent >= 0:
-            bone = rotation.rotate(world[..., parent, :], skeleton.offsets[joint])
-            positions[..., joint, :] = positions[..., parent, :] + bone
+    for joints, parents in skeleton.generations:
+        bones = rotation.rotate(world[..., parents, :], skeleton.offsets[joints])
+        positions[..., joints, :] = positions[..., parents, :] + bones
     return positions
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from studykit.motion import rotation
@@ -16,6 +18,15 @@ def resampled(motion: Motion, frame_rate_hz: float) -> Motion:
     """
     if frame_rate_hz == motion.frame_rate_hz:
         return motion
+    every = motion.frame_rate_hz / frame_rate_hz
+    if every == round(every):
+        step = round(every)
+        return replace(
+            motion,
+            rotations=motion.rotations[::step],
+            root_positions=motion.root_positions[::step],
+            frame_rate_hz=frame_rate_hz,
+        )
     last_s = (len(motion) - 1) / motion.frame_rate_hz
     # A frame that falls on the last one within rounding belongs to it.
     count = int(np.floor(last_s * frame_rate_hz + 1e-9)) + 1

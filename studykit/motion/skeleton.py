@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from studykit.core.arrays import Floats, frozen
+from studykit.core.arrays import Floats, Integers, frozen
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -35,6 +35,8 @@ class Skeleton:
     parents: tuple[int, ...]
     offsets: Floats
     mirror: tuple[int, ...]
+    generations: tuple[tuple[Integers, Integers], ...] = field(init=False, repr=False)
+    """Joints and their parents, by the number of joints between them and the root."""
 
     def __post_init__(self) -> None:
         joints = len(self.joint_names)
@@ -45,6 +47,7 @@ class Skeleton:
         if any(self.mirror[self.mirror[j]] != j for j in range(joints)):
             raise ValueError("mirroring twice must give every joint back")
         object.__setattr__(self, "offsets", frozen(self.offsets, shape=(joints, 3), name="offsets"))
+        object.__setattr__(self, "generations", _generations(self.parents))
 
     def index(self, joint_name: str) -> int:
         """Give the number of a joint from its name."""
@@ -58,6 +61,14 @@ class Skeleton:
     def bone_lengths(self) -> Floats:
         """Distance of each joint from its parent, shape (joint,), m; zero for the root."""
         return np.asarray(np.linalg.norm(self.offsets, axis=1), dtype=np.float64)
+
+
+def _generations(parents: tuple[int, ...]) -> tuple[tuple[Integers, Integers], ...]:
+    depths = [0] * len(parents)
+    for joint, parent in enumerate(parents):
+        depths[joint] = depths[parent] + 1 if parent >= 0 else 0
+    rows = [np.array([j for j, depth in enumerate(depths) if depth == d]) for d in range(1, max(depths) + 1)]
+    return tuple((joints, np.array(parents)[joints]) for joints in rows)
 
 
 # joint, parent, offset from the parent (m) in the neutral mean shape, and in the body of the AIST++ data
