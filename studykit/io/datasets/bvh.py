@@ -27,6 +27,10 @@ class BvhFiles:
         """List the .bvh files of a folder and those below it."""
         return files_ending(folder, ".bvh")
 
+    def companions(self, path: Path) -> list[Path]:  # noqa: ARG002
+        """Give nothing: a BVH file says all of itself."""
+        return []
+
     def read(self, path: Path, recipe: Recipe) -> list[Performance]:
         """Read one take and carry it over to SMPL's joints."""
         return [Performance(motion=to_smpl(read_bvh(path), recipe.skeleton, units_m=recipe.units_m))]

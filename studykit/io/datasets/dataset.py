@@ -54,6 +54,10 @@ class Dataset(Protocol):
         """List the files to read, in the order of their names; opens none of them."""
         ...
 
+    def companions(self, path: Path) -> list[Path]:
+        """List the further files that reading one depends on, such as labels or a skeleton; they may be absent."""
+        ...
+
     def read(self, path: Path, recipe: Recipe) -> list[Performance]:
         """Read one file: one performance for each dancer in it.
 
