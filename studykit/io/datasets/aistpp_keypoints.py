@@ -1,0 +1,74 @@
+"""AIST++ as joints in space: COCO's 17 points, triangulated from nine cameras."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studykit.core.arrays import Floats
+from studykit.core.errors import InputError
+from studykit.io.datasets.aistpp import (
+    CITATION,
+    FRAME_RATE_HZ,
+    LICENCE,
+    genre_of,
+    has_sequences,
+    performer_of,
+    sequences,
+)
+from studykit.io.datasets.dataset import Performance
+from studykit.io.datasets.recipe import Recipe
+from studykit.io.datasets.smpl_arrays import numbers
+from studykit.io.restricted_pickle import read_pickle
+from studykit.motion.coco_body import body_from_coco
+
+_CENTIMETRE = 0.01
+
+
+class AistPlusPlusKeypoints:
+    """The 3D keypoints of AIST++: folder `keypoints3d`, one pickle a sequence, centimetres, Y up.
+
+    Of the two tables in a file the smoothed one, `keypoints3d_optim`, is taken if it is there.
+    """
+
+    name = "aistpp-keypoints"
+    citation = CITATION
+    licence = LICENCE
+    native_format = (
+        "Pickles of COCO's 17 joints, keypoints3d/gBR_sBM_cAll_d04_mBR0_ch01.pkl, 60 frames a second."
+    )
+
+    def recognises(self, folder: Path) -> bool:
+        """Tell whether a folder has the keypoints of AIST's sequences and not their SMPL fits."""
+        return has_sequences(folder, "keypoints3d") and not has_sequences(folder, "motions")
+
+    def items(self, folder: Path) -> list[Path]:
+        """List the sequences but for those that `ignore_list.txt` names."""
+        return sequences(folder, "keypoints3d")
+
+    def companions(self, path: Path) -> list[Path]:  # noqa: ARG002
+        """List nothing: a sequence stands alone."""
+        return []
+
+    def read(self, path: Path, recipe: Recipe) -> list[Performance]:  # noqa: ARG002
+        """Read one sequence and find how SMPL's joints are turned."""
+        positions = _points(read_pickle(path), path) * _CENTIMETRE
+        motion = body_from_coco(positions, frame_rate_hz=FRAME_RATE_HZ)
+        return [Performance(motion=motion, performer=performer_of(path), genre=genre_of(path))]
+
+
+def _points(values: Any, path: Path) -> Floats:
+    names = [
+        name for name in ("keypoints3d_optim", "keypoints3d") if isinstance(values, dict) and name in values
+    ]
+    if not names:
+        remedy = "check that it belongs to the data set"
+        raise InputError("has no array keypoints3d_optim or keypoints3d", where=path, remedy=remedy)
+    points = numbers(values[names[0]], names[0], path, shape=(None, 17, 3))
+    hips = np.linalg.norm(points[:, 11] - points[:, 12], axis=-1)
+    if np.any(hips < 1e-6):
+        problem = f"both hips are in one place in frame {np.argmin(hips)}"
+        raise InputError(problem, where=path, remedy="export the file again, or leave it out")
+    return points
