@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 DECLARED := pyproject.toml constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow test-smplx benchmark lint clean
+.PHONY: help demo test test-slow test-smplx test-browser benchmark widgets lint clean
 
 help: ## say what can be made
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
@@ -26,10 +26,16 @@ test-slow: .venv/test.stamp ## the proofs that take minutes
 	$(BIN)/python -m pytest -p no:benchmark -m slow $(ARGS)
 
 test-smplx: .venv-smplx/smplx.stamp ## our joints beside those of the smplx package (brings torch, 1 GB)
-	.venv-smplx/bin/python -m pytest -rs tests/golden/test_smplx_joints.py $(ARGS)
+	.venv-smplx/bin/python -m pytest -rs tests/golden/test_smplx_joints.py tests/golden/test_smplx_model.py $(ARGS)
+
+test-browser: .venv/browser.stamp ## the widgets in JupyterLab in a real browser; needs a Chromium
+	$(BIN)/python -m pytest -p no:benchmark -m browser -n 0 -rs tests/browser $(ARGS)
 
 benchmark: .venv/dev.stamp ## measurements, no verdicts
 	$(BIN)/python -m pytest -m benchmark -n 0 $(ARGS)
+
+widgets: ## bundle the widgets' JavaScript again after changing it; needs Node.js
+	cd studykit/widgets/player && npm ci --no-audit --no-fund && npm run build
 
 lint: .venv/test.stamp ## style, types and layers only
 	$(BIN)/ruff check .
@@ -59,6 +65,10 @@ clean: ## remove what these commands made here; never recorded sessions or libra
 
 .venv/dev.stamp: .venv/test.stamp
 	$(PIP) -e ".[dev]"
+	@touch $@
+
+.venv/browser.stamp: .venv/test.stamp
+	$(PIP) -e ".[test,browser]"
 	@touch $@
 
 # torch first: smplx alone would bring the newest. A venv of its own keeps torch out of every other test.

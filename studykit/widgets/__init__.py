@@ -1,0 +1,28 @@
+"""What a notebook shows and lets a person do: play motions, browse a library, review takes, rate dances."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from studykit.widgets.browser.widget import library_browser as library_browser
+    from studykit.widgets.player.widget import MotionPlayer as MotionPlayer
+    from studykit.widgets.rater.widget import rating as rating
+    from studykit.widgets.reviewer.widget import review as review
+
+_NAMES = {
+    "MotionPlayer": "studykit.widgets.player.widget",
+    "library_browser": "studykit.widgets.browser.widget",
+    "rating": "studykit.widgets.rater.widget",
+    "review": "studykit.widgets.reviewer.widget",
+}
+__all__ = [*_NAMES]  # noqa: PLE0604 - names only
+
+
+def __getattr__(name: str) -> Any:
+    # The modules called `widget` are classes of anywidget's, which brings in IPython: each is imported only
+    # when it is first asked for.
+    if name in _NAMES:
+        return getattr(import_module(_NAMES[name]), name)
+    raise AttributeError(f"module 'studykit.widgets' has no attribute {name!r}")

@@ -1,0 +1,1 @@
+"""The library browser: find a segment, see it move, read where it comes from."""

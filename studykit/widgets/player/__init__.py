@@ -1,0 +1,1 @@
+"""The player: one figure that moves, on the browser's own clock."""
