@@ -21,6 +21,8 @@ HEAVY = (
     "numba",
     "scipy.stats",
     "IPython",
+    "anywidget",
+    "ipywidgets",
 )
 # What `import studykit` itself must not even touch, though single rooms may.
 FIRST_IMPORT = (
@@ -36,10 +38,20 @@ FIRST_IMPORT = (
     "rich",
 )
 
-IMPORT_EVERYTHING = """
+# A widget is a class of anywidget's, which brings in IPython. Such classes stand in modules of this name in
+# the rooms of studykit.widgets, which are imported when a widget is first asked for, and by nothing else.
+WIDGETS = tuple(f"studykit.widgets.{room}.widget" for room in ("browser", "player", "rater", "reviewer"))
+
+IMPORT_EVERYTHING = f"""
     import importlib, pkgutil, studykit
     for module in pkgutil.walk_packages(studykit.__path__, "studykit."):
-        importlib.import_module(module.name)
+        if module.name not in {WIDGETS}:
+            importlib.import_module(module.name)
+"""
+IMPORT_WIDGETS = f"""
+    import importlib
+    for name in {WIDGETS}:
+        importlib.import_module(name)
 """
 
 
@@ -67,13 +79,15 @@ def test_no_module_brings_in_what_is_heavy(tmp_path: Path) -> None:
     loaded = run(f"{IMPORT_EVERYTHING}\n    import sys\n    print(*sys.modules, sep='\\n')", tmp_path)
     assert "studykit.cli" in loaded
     assert "studykit.library.fetch" in loaded
+    assert "studykit.widgets.player.material" in loaded
     assert not set(HEAVY) & set(loaded)
+    assert not set(WIDGETS) & set(loaded)
 
 
 WATCHED = """
     import logging, os, sys, threading
 
-    import matplotlib.figure, numpy, pandas, pydantic, scipy, typer  # their business is not ours
+    import anywidget, matplotlib.figure, numpy, pandas, pydantic, scipy, typer  # their business is not ours
     done = []
 
     def watch(event, args):
@@ -94,8 +108,9 @@ WATCHED = """
 """
 
 
-def test_importing_every_module_does_nothing(tmp_path: Path) -> None:
-    code = textwrap.dedent(WATCHED).replace("CODE", textwrap.dedent(IMPORT_EVERYTHING))
+@pytest.mark.parametrize("modules", [IMPORT_EVERYTHING, IMPORT_WIDGETS], ids=["all but widgets", "widgets"])
+def test_importing_modules_does_nothing(modules: str, tmp_path: Path) -> None:
+    code = textwrap.dedent(WATCHED).replace("CODE", textwrap.dedent(modules))
     assert [line for line in run(code, tmp_path) if line] == ["unchanged"]
     assert list(tmp_path.iterdir()) == []
 

@@ -40,7 +40,8 @@ def review(library_folder: str | Path, *, reviewer: str, source: Source | None =
     InputError
         If the folder cannot be reviewed or nobody is named.
     """
-    folder, takes = Path(library_folder), ()
+    folder = Path(library_folder)
+    takes: tuple[str, ...] = ()
     if source is None:
         from studykit.library import review as own
 
