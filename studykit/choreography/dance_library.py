@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from studykit.core.arrays import Floats, frozen
+from studykit.core.arrays import Floats, Integers, frozen
 from studykit.core.errors import InputError
 from studykit.motion.features import KINETIC, FeatureScaler
 from studykit.motion.motion import Motion
@@ -79,6 +79,21 @@ class Calibration:
         return float(np.percentile(self.join_displacements, 3.0))
 
 
+class Rows(Protocol):
+    """An array with one row a segment, in memory or on disk; rows are read when asked for."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the whole."""
+        ...
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, rows: Any, /) -> Any:
+        """Read one row (an integer) or several (a slice or integers)."""
+        ...
+
+
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class DanceLibrary:
     """Segments of four seconds with all that is measured on them.
@@ -90,12 +105,13 @@ class DanceLibrary:
     name : str
         What the library is called.
     segments : DataFrame
-        One row a segment: `id, take, data_set, performer, genre, licence, start_s, is_synthetic`.
-    rotations : ndarray, shape (segment, 120, 24, 4)
+        One row a segment: `id, take, data_set, performer, genre, licence, start_s, is_synthetic, mirrored,
+        partners, take_sha256, linear_energy, rotational_energy`.
+    rotations : Rows, shape (segment, 120, 24, 4)
         Parent-relative unit quaternions; the first pose faces +Z.
-    root_positions : ndarray, shape (segment, 120, 3), m
+    root_positions : Rows, shape (segment, 120, 3), m
         From the place where the segment begins; the floor is at 0.
-    features : ndarray, shape (segment, 120, 97)
+    features : Rows, shape (segment, 120, 97)
         Raw features; see `standardised`.
     linear_energies, rotational_energies : ndarray, shape (segment, 24), J per kg
         Per joint, summed over the poses (119 differences).
@@ -111,9 +127,9 @@ class DanceLibrary:
 
     name: str
     segments: pd.DataFrame
-    rotations: np.ndarray[Any, Any]
-    root_positions: np.ndarray[Any, Any]
-    features: np.ndarray[Any, Any]
+    rotations: Rows
+    root_positions: Rows
+    features: Rows
     linear_energies: Floats
     rotational_energies: Floats
     first_poses: Floats
@@ -129,6 +145,43 @@ class DanceLibrary:
     def is_synthetic(self) -> bool:
         """Whether any segment was made up by studykit rather than danced by a person."""
         return bool(self.segments["is_synthetic"].any())
+
+    def find(
+        self,
+        *,
+        linear_energy: tuple[float, float] = (-np.inf, np.inf),
+        rotational_energy: tuple[float, float] = (-np.inf, np.inf),
+        **columns: str | bool,
+    ) -> Integers:
+        """Find segments by what the table of segments says; no array is read.
+
+        Parameters
+        ----------
+        linear_energy, rotational_energy : (float, float), J per kg
+            Lowest and highest, summed over the poses.
+        **columns : str or bool
+            What other columns must say, such as `genre="salsa"`, `performer="CMU 94"` or `mirrored=False`.
+
+        Returns
+        -------
+        ndarray, shape (match,)
+            Numbers of the segments.
+
+        Raises
+        ------
+        InputError
+            If the table has no such column.
+        """
+        table = self.segments
+        unknown = [name for name in columns if name not in table]
+        if unknown:
+            remedy = f"choose from {', '.join(map(str, table))}"
+            raise InputError(f"segments have no {unknown[0]!r}", where=self.name, remedy=remedy)
+        good = table["linear_energy"].between(*linear_energy)
+        good &= table["rotational_energy"].between(*rotational_energy)
+        for name, value in columns.items():
+            good &= table[name] == value
+        return np.flatnonzero(good.to_numpy())
 
     def motion(self, segment: int) -> Motion:
         """Give one segment as a motion."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,7 +20,7 @@ app = typer.Typer(
     help="Dance libraries: build, make up, fetch, look at.", no_args_is_help=True, rich_markup_mode=None
 )
 
-YIELD_HEADS = {
+TAKE_HEADS = {
     "take": "take",
     "duration_s": "seconds",
     "segments_possible": "segments possible",
@@ -26,23 +28,32 @@ YIELD_HEADS = {
     "segments_paper": "kept by the paper's rule",
     "frames_speed": "frames too fast",
     "frames_acceleration": "too jerky",
+    "frames_root": "root jumps",
     "frames_paper": "flagged by the paper's rule",
 }
 
 Out = Annotated[Path, typer.Option("--out", help="The folder to make.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Repeats everything that chance decides.")]
+Workers = Annotated[
+    int | None, typer.Option(min=1, help="Processes; as many as there are cores if not given.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print for a machine.")]
 
 
 @app.command()
 def build(
-    source: Annotated[
-        list[Path], typer.Argument(help="Folders of takes (.bvh, plain or packed as .xz or .gz).")
-    ],
+    source: Annotated[list[Path], typer.Argument(help="Folders of takes, as they are distributed.")],
+    *,
     out: Out,
+    recipe: Annotated[
+        str | None,
+        typer.Option(help="How they are read: a data set's name (aistpp, amass, ...) or a library.toml."),
+    ] = None,
     skeleton: Annotated[
         str | None,
-        typer.Option(help="Whose joints the files have (daz, neo, smpl), where no library.toml says."),
+        typer.Option(
+            help="Whose joints BVH files have (daz, neo, smpl, ... or a map file), without a recipe."
+        ),
     ] = None,
     fps: Annotated[
         list[str] | None,
@@ -52,40 +63,93 @@ def build(
         int | None, typer.Option(min=0, help="Frames to leave out at the start of each file.")
     ] = None,
     noise_rule: Annotated[str, typer.Option(help="'robust', or 'paper' for the printed rule.")] = "robust",
+    stride: Annotated[
+        float, typer.Option(help="Seconds from one segment to the next; below 4 they overlap.")
+    ] = 4.0,
+    mirrored: Annotated[
+        bool, typer.Option("--mirrored", help="Add every segment with left and right exchanged.")
+    ] = False,
     seed: Seed = 0,
+    workers: Workers = None,
+    dask: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://10.0.0.5:8786.")
+    ] = None,
 ) -> None:
-    """Build a library from folders of takes.
+    """Build a library from folders of takes, calibrate it and show what is in it.
 
-    How files are read comes from a library.toml beside them (the README shows one), from a built-in recipe
-    that knows the data set, or from --skeleton, --fps and --skip.
+    How files are read is known for the published data sets, comes from a library.toml beside them (the
+    README shows one), or from --skeleton, --fps and --skip. The same command again reads only what is new or
+    changed, and goes on where an interrupted one was. Takes that cannot be used are left out and listed with
+    the reason.
     """
     from studykit.library.build import build as build_library
+    from studykit.library.measure import Settings
 
     if noise_rule not in {"robust", "paper"}:
         raise InputError(
             f"there is no noise rule {noise_rule!r}", where="--noise-rule", remedy="say robust or paper"
         )
-    sources = {folder: _recipe(folder, skeleton, fps or [], skip) for folder in source}
-    build_library(sources, out, progress=show.progress, noise_rule=noise_rule, seed=seed)
-    _print_yield(out)
+    if not 1.0 / 30.0 <= stride < math.inf:
+        raise InputError(f"{stride:g} s is no stride", where="--stride", remedy="say between 0.04 and 4")
+    sources = {folder: _recipe(folder, recipe, skeleton, fps or [], skip) for folder in source}
+    settings = Settings(
+        noise_rule="paper" if noise_rule == "paper" else "robust",
+        stride_s=stride,
+        mirrored=mirrored,
+        seed=seed,
+    )
+    with _cluster(dask):
+        build_library(
+            sources,
+            out,
+            settings=settings,
+            workers=None if dask else workers or _processes(),
+            progress=show.progress,
+        )
+    _print_takes(out)
     _print_info(out)
     show.say(f"Next: studykit demo --library {out} --out sessions/{out.name}")
 
 
-def _recipe(source: Path, skeleton: str | None, fps: list[str], skip: int | None) -> Recipe:
-    from studykit.io.datasets.read import find_recipe
-    from studykit.io.datasets.recipe import Recipe, TakeRule
+def _processes() -> int:
+    from joblib import cpu_count
 
-    if skeleton is None:
-        recipe = find_recipe(source)
+    return int(cpu_count())
+
+
+@contextmanager
+def _cluster(address: str | None) -> Iterator[None]:
+    """Let joblib's work go to a Dask cluster while this lasts."""
+    if address is None:
+        yield
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        remedy = "install it: pip install 'dask[distributed]'"
+        raise InputError("Dask is not installed", where="--dask", remedy=remedy) from None
+    from joblib import parallel_config
+
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            f"no scheduler answers at {address}", where="--dask", remedy="check its address"
+        ) from error
+    with client, parallel_config(backend="dask"):
+        yield
+
+
+def _recipe(source: Path, name: str | None, skeleton: str | None, fps: list[str], skip: int | None) -> Recipe:
+    from studykit.io.datasets.read import find_recipe, named_recipe
+    from studykit.io.datasets.recipe import Recipe
+
+    if name is not None:
+        recipe = named_recipe(name)
+    elif skeleton is not None:
+        recipe = Recipe(data_set=source.resolve().name, skeleton=skeleton, units_m=0.01)
     else:
-        recipe = Recipe(
-            data_set=source.resolve().name,
-            licence="not stated",
-            skeleton=skeleton,
-            units_m=0.01,
-            takes=(TakeRule(match="*", genre="not stated", performer="not stated"),),
-        )
+        recipe = find_recipe(source)
     changes: dict[str, Any] = {} if skip is None else {"skip_frames": skip}
     rates = {}
     for rate in fps:
@@ -106,11 +170,12 @@ def sample(
     out: Out,
     segments: Annotated[int, typer.Option(min=1, help="How many segments of 4 s.")] = 240,
     seed: Seed = 0,
+    workers: Workers = None,
 ) -> None:
     """Make up a synthetic library, of any size: nobody danced it, and it says so."""
     from studykit.library import make_sample
 
-    make_sample(out, segments=segments, seed=seed, progress=show.progress)
+    make_sample(out, segments=segments, seed=seed, workers=workers or _processes(), progress=show.progress)
     _print_info(out)
     show.say(f"Next: studykit demo --library {out} --out sessions/{out.name}")
 
@@ -134,14 +199,24 @@ def fetch(
 def info(
     library: Annotated[Path, typer.Argument(help="A dance library.")],
     *,
+    takes: Annotated[bool, typer.Option("--takes", help="List every take, also those left out.")] = False,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Compare every file with its digest first.")
+    ] = False,
     json: AsJson = False,
 ) -> None:
     """Say what a library holds: hours, genres, performers, licences, yield and targets."""
+    from studykit.library.store import require_intact
+
+    if verify:
+        require_intact(library)
     if json:
         show.as_json(_facts(library))
-    else:
-        _print_yield(library)
-        _print_info(library)
+        return
+    if verify:
+        show.say("Every file is what was written.")
+    _print_takes(library, most=None if takes else 0)
+    _print_info(library)
 
 
 def _facts(library: Path) -> dict[str, Any]:
@@ -161,10 +236,12 @@ def _print_info(library: Path) -> None:
     from studykit.motion.body import DEFAULT_BODY_MASS_KG
 
     facts = _facts(library)
-    kept, paper = facts["segments"], facts["segments_paper"]
+    kept, paper, left = facts["segments"], facts["segments_paper"], facts["takes_refused"]
     show.say(f"{facts['name']}: {kept} segments ({facts['hours'] * 60:.1f} min) of {facts['takes']} takes")
     if facts["is_synthetic"]:
         show.say("  SYNTHETIC: nobody danced these")
+    if left:
+        show.say(f"  left out: {left} files that could not be used; see 'library info {library} --takes'")
     show.say(
         f"  yield: {kept} of {facts['segments_possible']} possible; the paper's noise rule would keep {paper}"
     )
@@ -177,15 +254,26 @@ def _print_info(library: Path) -> None:
         show.say(f"    {name}: {in_paper_unit} (the paper: {printed})")
 
 
-def _print_yield(library: Path) -> None:
+def _print_takes(library: Path, *, most: int | None = 60) -> None:
+    """Print what became of the takes: all of them, or the first ones and every one left out."""
     import pandas as pd
 
-    from studykit.library.store import read_manifest
+    from studykit.library.store import TAKES, index_folder
 
-    read_manifest(library)
-    table = pd.read_csv(library / "yield.csv").round({"duration_s": 1})
-    rows = table.rename(columns=YIELD_HEADS).to_dict("records")
-    most = 60
-    show.table(rows[:most])
-    if len(rows) > most:
-        show.say(f"... and {len(rows) - most} takes more in {library / 'yield.csv'}")
+    path = index_folder(library) / TAKES
+    table = pd.read_csv(path, keep_default_na=False)
+    read = table[table["status"] != "refused"].rename(columns=TAKE_HEADS)[list(TAKE_HEADS.values())]
+    rows = read.to_dict("records")[:most]
+    if rows:
+        show.table([{head: _short(value) for head, value in row.items()} for row in rows])
+        if len(rows) < len(read):
+            show.say(f"... and {len(read) - len(rows)} takes more in {path}")
+    for reason in table.loc[table["status"] == "refused", "reason"] if most != 0 else ():
+        show.say(f"left out: {reason}")
+
+
+def _short(value: object) -> str:
+    try:
+        return f"{float(str(value)):.6g}"
+    except ValueError:
+        return str(value)

@@ -1,251 +1,168 @@
-"""Building a dance library: takes in, clean segments with all their measures out (section 4 of the paper)."""
+"""Building a dance library: files of takes in, clean segments with all their measures out.
+
+Every source becomes a shard on its own, on as many processes or machines as there are; then the index is
+written over them. Nothing of an older library is lost before the new one is whole.
+"""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Mapping
-from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any
 
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
-from studykit.core.provenance import versions
-from studykit.core.seeding import stream
-from studykit.io.datasets.read import files_in, read_takes
+from studykit.core.provenance import sha256_of_value
+from studykit.io.datasets.known import DATASETS
 from studykit.io.datasets.recipe import Recipe
-from studykit.io.datasets.take import Take
-from studykit.library import store
-from studykit.library.calibrate import calibrate, fit_scaler
-from studykit.motion import cleaning, energy, features, kinematics
-from studykit.motion.motion import Motion
-from studykit.motion.resampling import resampled
-from studykit.motion.segmentation import (
-    FRAME_RATE_HZ,
-    SEGMENT_FRAMES,
-    floor_height,
-    segment,
-    segment_starts,
-)
+from studykit.library import index, review, shard, store
+from studykit.library.measure import Decision, Settings, measured
+from studykit.library.origin import Origin
+from studykit.library.review import Decisions
+from studykit.library.source import Source, take_files
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-_ROW_SHAPES: dict[str, tuple[tuple[int, ...], str]] = {
-    "rotations": ((SEGMENT_FRAMES, 24, 4), "<f4"),
-    "root_positions": ((SEGMENT_FRAMES, 3), "<f4"),
-    "features": ((SEGMENT_FRAMES, 97), "<f4"),
-    "linear_energies": ((24,), "<f8"),
-    "rotational_energies": ((24,), "<f8"),
-    "first_poses": ((24, 3), "<f8"),
-    "last_poses": ((24, 3), "<f8"),
-}
+MEASURES = 1
+"""Raised when takes are read, cleaned or measured otherwise, so that older shards are made again."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class TakeYield:
-    """What became of one take: how much of it was kept, and what each noise rule flagged.
-
-    Parameters
-    ----------
-    take : str
-        Name of the take.
-    duration_s : float
-        Length at the true frame rate, without the frames skipped at the start.
-    segments_possible, segments_kept, segments_paper : int
-        Segments that fit into the whole take, that survive the rule in use, and that would survive the
-        paper's literal rule.
-    frames_speed, frames_acceleration, frames_paper : int
-        Frames (30 Hz) flagged by each criterion.
-    """
-
-    take: str
-    duration_s: float
-    segments_possible: int
-    segments_kept: int
-    segments_paper: int
-    frames_speed: int
-    frames_acceleration: int
-    frames_paper: int
-
-
-def write_library(
-    takes: Iterable[Take], out: Path, *, name: str, noise_rule: cleaning.NoiseRule = "robust", seed: int = 0
+def build(
+    sources: Mapping[Path, Recipe],
+    out: str | Path,
+    *,
+    settings: Settings | None = None,
+    workers: int | None = None,
+    progress: Progress = silent,
 ) -> DanceLibrary:
-    """Build a library from takes and open it.
-
-    Takes are read one after the other and never held together, so the library may be larger than memory.
-    The folder appears only when all went well.
+    """Build one library from folders of takes and how each is read, or bring it up to date.
 
     Parameters
     ----------
-    takes : iterable of Take
-        Recordings.
-    out : Path
-        The folder to make.
-    name : str
-        What the library is called.
-    noise_rule : {"robust", "paper"}
-        Which frames are cut out.
-    seed : int
-        For the random chains of the calibration.
+    sources : mapping of Path to Recipe
+        Folders of takes. A library that is there already must have been built from some of them.
+    out : str or Path
+        The folder of the library.
+    settings : Settings, optional
+        The noise rule, the stride, whether mirrored segments are added; the seed of the calibration.
+    workers : int, optional
+        Processes; if not given, what joblib's `parallel_config` says, for example a Dask cluster.
+    progress : Progress
+        Told of each file.
 
     Raises
     ------
     InputError
-        If `out` exists or cannot be written, or too little is left after cleaning.
+        If something else is in `out`, it cannot be written, or too little is left after cleaning. A take that
+        cannot be used is left out and listed in the library's table of takes with the reason.
     """
-    with store.new_folder(Path(out)) as folder:
-        rows: list[dict[str, Any]] = []
-        yields: list[TakeYield] = []
-        with ExitStack() as files:
-            writers = {
-                key: files.enter_context(closing(store.ArrayWriter(folder / f"{key}.npy", *form)))
-                for key, form in _ROW_SHAPES.items()
-            }
-            for take in takes:
-                measured, outcome = _measured(take, noise_rule)
-                yields.append(outcome)
-                for start_s, arrays in measured:
-                    for key, writer in writers.items():
-                        writer.append(arrays[key][None])
-                    rows.append(_index_row(len(rows), take, start_s))
-        _finish(folder, rows, yields, name=name, noise_rule=noise_rule, seed=seed)
+    files = [file for folder, recipe in sources.items() for file in take_files(Path(folder), recipe)]
+    origin = Origin(
+        name="+".join(dict.fromkeys(recipe.data_set for recipe in sources.values())),
+        folders={
+            str(Path(folder).resolve()): recipe.model_dump(mode="json", exclude_defaults=True)
+            for folder, recipe in sources.items()
+        },
+        citations={
+            recipe.data_set: recipe.citation or DATASETS[recipe.format].citation
+            for recipe in sources.values()
+        },
+    )
+    return build_from(files, out, origin, settings=settings, workers=workers, progress=progress)
+
+
+def build_from(
+    sources: Sequence[Source],
+    out: str | Path,
+    origin: Origin,
+    *,
+    settings: Settings | None = None,
+    workers: int | None = None,
+    progress: Progress = silent,
+) -> DanceLibrary:
+    """Build a library from sources of any kind; see `build`.
+
+    Parameters
+    ----------
+    origin : Origin
+        What is written down of where the library comes from.
+    """
+    out = Path(out)
+    settings = settings or Settings()
+    with store.folder_to_build(out, origin):
+        decisions = review.read_decisions(out)
+        outcomes = progress(
+            _outcomes(sources, out, settings, decisions, workers), label="Reading takes", total=len(sources)
+        )
+        rows = _named(sources, outcomes)
+        index.write(out, rows, origin, settings)
     return store.open_library(out)
 
 
-def _measured(take: Take, rule: cleaning.NoiseRule) -> tuple[list[tuple[float, dict[str, Any]]], TakeYield]:
-    """Clean and cut one take; give its segments (start in s, arrays) and what became of it."""
-    motion = resampled(take.motion, FRAME_RATE_HZ)
-    positions = kinematics.centred_positions(motion.skeleton, motion.rotations)
-    flags = cleaning.flagged(positions, FRAME_RATE_HZ, "robust") | cleaning.flagged(
-        positions, FRAME_RATE_HZ, "paper"
-    )
-    runs = {
-        "robust": cleaning.clean_runs(flags["speed"] | flags["acceleration"]),
-        "paper": cleaning.clean_runs(flags["paper"]),
-    }
-    pose_features = np.zeros((len(motion), 97))
-    for start, stop in runs[rule]:
-        if stop - start >= SEGMENT_FRAMES:
-            pose_features[start:stop] = features.pose_features(positions[start:stop], FRAME_RATE_HZ)
-    floor = floor_height(motion)
-    segments = []
-    for start in segment_starts(runs[rule]):
-        cut = segment(motion, start, floor)
-        segments.append((start / FRAME_RATE_HZ, _arrays(cut, pose_features[start : start + SEGMENT_FRAMES])))
-    outcome = TakeYield(
-        take=take.name,
-        duration_s=round(take.motion.duration_s, 6),
-        segments_possible=len(motion) // SEGMENT_FRAMES,
-        segments_kept=len(segments),
-        segments_paper=len(segment_starts(runs["paper"])),
-        frames_speed=int(flags["speed"].sum()),
-        frames_acceleration=int(flags["acceleration"].sum()),
-        frames_paper=int(flags["paper"].sum()),
-    )
-    return segments, outcome
+def _outcomes(
+    sources: Sequence[Source],
+    out: Path,
+    settings: Settings,
+    decisions: Decisions,
+    workers: int | None,
+) -> Iterable[dict[str, Any]]:
+    from joblib import Parallel, delayed
 
-
-def _arrays(cut: Motion, pose_features: np.ndarray[Any, Any]) -> dict[str, Any]:
-    positions = kinematics.centred_positions(cut.skeleton, cut.rotations)
-    ends = [
-        kinematics.centred_positions(cut.skeleton, kinematics.turned(cut, -float(angle)).rotations[frame])
-        for frame, angle in ((0, kinematics.facing(positions[0])), (-1, kinematics.facing(positions[-1])))
-    ]
-    return {
-        "rotations": cut.rotations,
-        "root_positions": cut.root_positions,
-        "features": pose_features,
-        "linear_energies": energy.linear_energy(positions, FRAME_RATE_HZ),
-        "rotational_energies": energy.rotational_energy(cut.rotations, FRAME_RATE_HZ),
-        "first_poses": ends[0],
-        "last_poses": ends[1],
-    }
-
-
-def _index_row(number: int, take: Take, start_s: float) -> dict[str, Any]:
-    source = take.source
-    return {
-        "id": number,
-        "take": take.name,
-        "data_set": source.data_set,
-        "performer": source.performer,
-        "genre": source.genre,
-        "licence": source.licence,
-        "start_s": start_s,
-        "is_synthetic": source.is_synthetic,
-        "take_sha256": source.sha256,
-    }
-
-
-def _finish(
-    folder: Path,
-    rows: list[dict[str, Any]],
-    yields: list[TakeYield],
-    *,
-    name: str,
-    noise_rule: str,
-    seed: int,
-) -> None:
-    """Write the index, the calibration and the manifest of a library whose arrays are written."""
-    import pandas as pd
-
-    if not rows:
-        raise InputError(
-            "no segment is left after cleaning", where=name, remedy="give longer or cleaner takes"
+    jobs = (
+        delayed(make_shard)(
+            source, out.resolve(), settings, review.decisions_of(decisions, source.data_set, source.name)
         )
-    table = pd.DataFrame(rows)
-    table.to_parquet(folder / "segments.parquet", index=False)
-    pd.DataFrame([{f: getattr(y, f) for f in TakeYield.__slots__} for y in yields]).to_csv(
-        folder / "yield.csv", index=False
+        for source in sources
     )
-    scaler = fit_scaler(np.load(folder / "features.npy", mmap_mode="r", allow_pickle=False))
-    library = store.load(folder, name=name, scaler=scaler, calibration=store.UNCALIBRATED, sha256="")
-    store.write_calibration(folder, scaler, calibrate(library, stream(seed, "calibration")))
-    manifest = {
-        "version": store.VERSION,
-        "name": name,
-        "sha256": store.digest(folder),
-        "is_synthetic": library.is_synthetic,
-        "noise_rule": noise_rule,
-        "seed": seed,
-        "segments": len(library),
-        "hours": round(len(library) * SEGMENT_FRAMES / FRAME_RATE_HZ / 3600.0, 6),
-        "takes": len(yields),
-        "segments_possible": sum(y.segments_possible for y in yields),
-        "segments_paper": sum(y.segments_paper for y in yields),
-        "data_sets": _count(table, "data_set"),
-        "genres": _count(table, "genre"),
-        "performers": _count(table, "performer"),
-        "licences": _count(table, "licence"),
-        "versions": versions(),
-    }
-    text = json.dumps(manifest, indent=1, ensure_ascii=False)
-    (folder / "manifest.json").write_text(text + "\n", encoding="utf-8")
+    outcomes: Iterable[dict[str, Any]] = Parallel(n_jobs=workers, return_as="generator")(jobs)
+    return outcomes
 
 
-def _count(table: pd.DataFrame, column: str) -> dict[str, int]:
-    return {str(key): int(value) for key, value in sorted(table[column].value_counts().items())}
+def make_shard(
+    source: Source, out: Path, settings: Settings, decisions: Mapping[str, list[Decision]]
+) -> dict[str, Any]:
+    """Read, clean and measure one source, unless that was done before; give what became of its takes.
 
-
-def build(
-    sources: Mapping[Path, Recipe], out: Path, *, progress: Progress = silent, **options: Any
-) -> DanceLibrary:
-    """Build one library from folders of takes and how each is read; see `write_library` for the options.
-
-    Takes of several folders are told apart by the name of their data set.
+    Whatever is wrong with a file is told in `refused`, so that the build can go on with the others.
     """
-    total = sum(len(files_in(Path(folder), recipe)) for folder, recipe in sources.items())
-    takes = (
-        take if len(sources) == 1 else replace(take, name=f"{recipe.data_set}/{take.name}")
-        for folder, recipe in sources.items()
-        for path in files_in(Path(folder), recipe)
-        for take in read_takes(path, Path(folder), recipe)
-    )
-    name = "+".join(dict.fromkeys(recipe.data_set for recipe in sources.values()))
-    return write_library(progress(takes, label="Reading takes", total=total), out, name=name, **options)
+    try:
+        key = sha256_of_value(
+            {
+                "measures": MEASURES,
+                "source": source.digest(),
+                "settings": settings.of_a_take(),
+                "decisions": {take: [list(one) for one in words] for take, words in decisions.items()},
+            }
+        )[:32]
+        told = shard.outcome(out, key)
+        if told is None:
+            takes = source.takes()
+            told = shard.write(
+                out,
+                key,
+                [(take, measured(take.motion, settings, decisions.get(take.name, []))) for take in takes],
+            )
+    except InputError as error:
+        refused = {"problem": error.problem, "where": error.where, "remedy": error.remedy}
+        return {"refused": refused, "takes": []}
+    except Exception as error:
+        error.add_note(f"while reading {source.name} of {source.data_set}")
+        raise
+    return told | {"key": key}
+
+
+def _named(sources: Sequence[Source], outcomes: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Put the outcomes beside their sources; takes of several data sets are told apart by its name."""
+    several = len({source.data_set for source in sources}) > 1
+    out = []
+    for source, told in zip(sources, outcomes, strict=True):
+        prefix = f"{source.data_set}/" if several else ""
+        out.append(told | {"prefix": prefix, "name": f"{prefix}{source.name}", "data_set": source.data_set})
+    twice = [name for name, count in Counter(t["name"] for t in out).items() if count > 1]
+    if twice:
+        raise InputError(
+            f"two files are called {twice[0]}",
+            where="the folders of takes",
+            remedy="give each folder a data_set of its own in its library.toml",
+        )
+    return out

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from studykit.choreography.dance_library import (
     CHAIN_SEGMENTS,
     Calibration,
     DanceLibrary,
+    Rows,
     SegmentDistances,
     mean_of_pairs,
 )
@@ -24,37 +27,51 @@ _CHUNK = 256
 _MEDIAN_POSES = 250_000
 
 
-def fit_scaler(features: np.ndarray[tuple[int, ...], np.dtype[np.float32]]) -> FeatureScaler:
+UNCALIBRATED = Calibration(**{name: np.zeros(0) for name in Calibration.array_names()}, median_distance=1.0)
+"""Stands in for the calibration of a library that is being built."""
+
+
+def fit_scaler(features: Rows) -> FeatureScaler:
     """Find the scale of each feature channel over all poses of a library.
 
     Parameters
     ----------
-    features : ndarray, shape (segment, 120, 97)
-        Raw features, possibly mapped from disk; read in pieces.
+    features : Rows, shape (segment, 120, 97)
+        Raw features, possibly on disk; read in pieces, so that the cost is linear and the memory constant.
 
     Notes
     -----
     Medians come from at most 250,000 evenly spaced poses; means and deviations from all.
     """
-    poses = features.reshape(-1, features.shape[-1])
-    sample = np.asarray(poses[:: max(1, len(poses) // _MEDIAN_POSES), :KINETIC], dtype=np.float64)
-    medians = np.nanmedian(np.where(sample > 0.0, sample, np.nan)[:, ~np.all(sample <= 0.0, axis=0)], axis=0)
+    frames = features.shape[1]
+    poses = len(features) * frames
+    every = max(1, poses // _MEDIAN_POSES)
+    sample = np.concatenate(
+        [
+            piece.reshape(-1, piece.shape[-1])[-start * frames % every :: every, :KINETIC]
+            for start, piece in _pieces(features)
+        ]
+    ).astype(np.float64)
+    alive = np.any(sample > 0.0, axis=0)
     knees = np.ones(KINETIC)
-    knees[~np.all(sample <= 0.0, axis=0)] = medians
+    knees[alive] = np.nanmedian(np.where(sample > 0.0, sample, np.nan)[:, alive], axis=0)
     scaler = FeatureScaler(kinetic_medians=knees, means=np.zeros(97), deviations=np.ones(97))
 
     total, squares = np.zeros(97), np.zeros(97)
     # Sums about a first guess of the mean keep their digits.
-    guess = scaler.logarithmic(np.asarray(poses[:: max(1, len(poses) // 1000)], dtype=np.float64)).mean(
-        axis=0
-    )
-    for start in range(0, len(features), _CHUNK):
-        values = scaler.logarithmic(np.asarray(features[start : start + _CHUNK], dtype=np.float64)) - guess
+    guess = scaler.logarithmic(features[:1].astype(np.float64)).mean(axis=(0, 1))
+    for _, piece in _pieces(features):
+        values = scaler.logarithmic(piece.astype(np.float64)) - guess
         total += values.sum(axis=(0, 1))
-        squares += (values**2).sum(axis=(0, 1))
-    means = total / len(poses)
-    deviations = np.sqrt(np.maximum(squares / len(poses) - means**2, 0.0))
+        squares += np.einsum("sfc,sfc->c", values, values)
+    means = total / poses
+    deviations = np.sqrt(np.maximum(squares / poses - means**2, 0.0))
     return FeatureScaler(kinetic_medians=knees, means=guess + means, deviations=deviations)
+
+
+def _pieces(features: Rows) -> Iterator[tuple[int, Any]]:
+    for start in range(0, len(features), _CHUNK):
+        yield start, features[start : start + _CHUNK]
 
 
 def calibrate(library: DanceLibrary, rng: np.random.Generator) -> Calibration:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -12,9 +12,10 @@ from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.core.seeding import stream
 from studykit.io.datasets.take import Take, TakeSource
-from studykit.library import store, synthesis
-from studykit.library.build import write_library
-from studykit.motion.motion import Motion
+from studykit.library import synthesis
+from studykit.library.build import build_from
+from studykit.library.measure import Settings
+from studykit.library.origin import Origin
 
 DATA_SET: Final = "studykit-synthetic"
 """Name of the data set; says that nobody danced it."""
@@ -27,24 +28,59 @@ LEAST_ENERGY: Final = 0.07
 ENERGY_RANGE: Final = 8.0
 """How many times more the hardest take asks for; both ends are met in recorded salsa."""
 
+RECIPE: Final = 1
+"""Raised when the same seed would give another movement."""
+
 _SPREAD = 0.15  # of the logarithm of the energy among the segments of a take
 _GOLDEN = 0.6180339887498949  # steps by this share of the range fill it evenly, however many takes there are
 
 
-def takes(count_segments: int, seed: int) -> Iterator[Take]:
-    """Make up takes, one after the other, until they hold as many segments as asked for.
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SyntheticTake:
+    """One take that is made up when it is read.
+
+    Parameters
+    ----------
+    number : int
+        Which one; the style goes round with it.
+    seed : int
+        The same seed gives the same takes.
+    phrases : int
+        Segments in it, up to 10; a shorter take is the beginning of the whole.
+    """
+
+    number: int
+    seed: int
+    phrases: int = PHRASES
+
+    @property
+    def name(self) -> str:
+        """Its name, with its number."""
+        return f"synthetic-{self.number:05d}"
+
+    @property
+    def data_set(self) -> str:
+        """The name that says that nobody danced it."""
+        return DATA_SET
+
+    def digest(self) -> str:
+        """Digest the recipe by which it is made up."""
+        return sha256_of_value({"data_set": DATA_SET, "version": RECIPE} | asdict(self))
+
+    def takes(self) -> list[Take]:
+        """Make it up: 40 s of one style at one tempo and intensity, or the beginning of that."""
+        return [_take(self)]
+
+
+def synthetic_takes(count_segments: int, seed: int) -> list[SyntheticTake]:
+    """Name the takes that hold as many segments as asked for; a larger count only adds takes behind.
 
     Parameters
     ----------
     count_segments : int
         Segments of 4 s wanted, 1 or more.
     seed : int
-        The same seed gives the same takes; a larger count only adds takes behind.
-
-    Yields
-    ------
-    Take
-        40 s of one style at one tempo and intensity; the last may be shorter.
+        The same seed gives the same takes.
 
     Raises
     ------
@@ -53,33 +89,31 @@ def takes(count_segments: int, seed: int) -> Iterator[Take]:
 
     Examples
     --------
-    >>> [(take.name, round(take.motion.duration_s, 3)) for take in takes(12, seed=1)]
-    [('synthetic-00000', 40.0), ('synthetic-00001', 8.0)]
+    >>> [(take.name, take.phrases) for take in synthetic_takes(12, seed=1)]
+    [('synthetic-00000', 10), ('synthetic-00001', 2)]
     """
     if count_segments < 1:
         raise InputError(
             f"{count_segments} segments are asked for", where="segments", remedy="ask for 1 or more"
         )
-    for first in range(0, count_segments, PHRASES):
-        yield _take(first // PHRASES, seed, min(PHRASES, count_segments - first))
+    return [
+        SyntheticTake(number=first // PHRASES, seed=seed, phrases=min(PHRASES, count_segments - first))
+        for first in range(0, count_segments, PHRASES)
+    ]
 
 
-def _take(number: int, seed: int, phrases: int) -> Take:
-    """Make up one take from its number and seed alone; a shorter one is the beginning of the whole."""
-    style = synthesis.STYLES[number % len(synthesis.STYLES)]
-    start = stream(seed, "synthetic", "intensity").random()
-    grade = (start + _GOLDEN * number) % 1.0
-    rng = stream(seed, "synthetic", "take", number)
+def _take(source: SyntheticTake) -> Take:
+    style = synthesis.STYLES[source.number % len(synthesis.STYLES)]
+    start = stream(source.seed, "synthetic", "intensity").random()
+    grade = (start + _GOLDEN * source.number) % 1.0
+    rng = stream(source.seed, "synthetic", "take", source.number)
     energies = LEAST_ENERGY * ENERGY_RANGE**grade * rng.lognormal(0.0, _SPREAD, PHRASES)
     whole = synthesis.dance(synthesis.figures(style, PHRASES, rng), energies)
-    frames = round(phrases * synthesis.PHRASE_S * whole.frame_rate_hz)
+    frames = round(source.phrases * synthesis.PHRASE_S * whole.frame_rate_hz)
     return Take(
-        name=f"synthetic-{number:05d}",
-        motion=Motion(
-            skeleton=whole.skeleton,
-            rotations=whole.rotations[:frames],
-            root_positions=whole.root_positions[:frames],
-            frame_rate_hz=whole.frame_rate_hz,
+        name=source.name,
+        motion=replace(
+            whole, rotations=whole.rotations[:frames], root_positions=whole.root_positions[:frames]
         ),
         source=TakeSource(
             data_set=DATA_SET,
@@ -87,15 +121,20 @@ def _take(number: int, seed: int, phrases: int) -> Take:
             genre=style.name,
             licence=LICENCE,
             is_synthetic=True,
-            sha256=sha256_of_value({"data_set": DATA_SET, "seed": seed, "take": number, "phrases": phrases}),
+            sha256=source.digest(),
         ),
     )
 
 
 def make_sample(
-    out: str | Path, *, segments: int = 240, seed: int = 0, progress: Progress = silent
+    out: str | Path,
+    *,
+    segments: int = 240,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress = silent,
 ) -> DanceLibrary:
-    """Make up a whole library, or open it if this very one is there already.
+    """Make up a whole library, or bring one that is there to this size.
 
     Parameters
     ----------
@@ -105,6 +144,8 @@ def make_sample(
         How many segments of 4 s.
     seed : int
         Repeats the library.
+    workers : int, optional
+        Processes; if not given, what joblib's `parallel_config` says.
     progress : Progress
         Told of each take.
 
@@ -113,10 +154,11 @@ def make_sample(
     InputError
         If something else is in the folder, or it cannot be written.
     """
-    folder = Path(out)
-    if (folder / "manifest.json").exists():
-        there = store.read_manifest(folder)
-        if (there["name"], there["segments"], there["seed"]) == (DATA_SET, segments, seed):
-            return store.open_library(folder)
-    made = progress(takes(segments, seed), label="Making up takes", total=-(-segments // PHRASES))
-    return write_library(made, folder, name=DATA_SET, seed=seed)
+    return build_from(
+        synthetic_takes(segments, seed),
+        out,
+        Origin(name=DATA_SET, synthetic_seed=seed, citations={DATA_SET: ""}),
+        settings=Settings(seed=seed),
+        workers=workers,
+        progress=progress,
+    )

@@ -1,4 +1,9 @@
-"""A dance library as a folder: an index table, arrays and a manifest."""
+"""A dance library as a folder: a manifest, an index and shards.
+
+`manifest.json` says what it is; it names the index in use and is replaced last, at one stroke.
+`index-DIGEST/` has one row a segment (Parquet), one row a take (CSV), small arrays and the calibration.
+`takes/` has one shard for each file of takes: movement and features of its segments.
+"""
 
 from __future__ import annotations
 
@@ -7,151 +12,150 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 
 from studykit.choreography.dance_library import Calibration, DanceLibrary
 from studykit.core.errors import InputError
-from studykit.core.provenance import sha256_of_files
+from studykit.core.provenance import sha256_of_file
+from studykit.library import shard
+from studykit.library.measure import LARGE, SMALL
+from studykit.library.origin import Origin
+from studykit.library.shard import SegmentRows
 from studykit.motion.features import FeatureScaler
 
-VERSION = 1
-ARRAYS = (
-    "rotations",
-    "root_positions",
-    "features",
-    "linear_energies",
-    "rotational_energies",
-    "first_poses",
-    "last_poses",
-)
-"""One .npy file each, one row a segment."""
+VERSION = 2
+MANIFEST = "manifest.json"
+SEGMENTS = "segments.parquet"
+TAKES = "takes.csv"
+SHARDS = "shards.json"
+CALIBRATION = "calibration.npz"
 
-_MAPPED = ("rotations", "root_positions", "features")
 _SCALER = ("kinetic_medians", "means", "deviations")
-
-
-class ArrayWriter:
-    """Writes rows to a .npy file one after the other, so that no library has to fit in memory.
-
-    Parameters
-    ----------
-    path : Path
-        The file to make.
-    row_shape : tuple of int
-        Shape of one row.
-    dtype : str
-        Type of the numbers, such as "<f4".
-    """
-
-    def __init__(self, path: Path, row_shape: tuple[int, ...], dtype: str) -> None:
-        self._row_shape, self._dtype, self._rows = row_shape, np.dtype(dtype), 0
-        self._file: IO[bytes] = path.open("wb")
-        self._header()
-
-    def _header(self) -> None:
-        # NumPy leaves room in the header for the first axis to grow, so it can be rewritten in place.
-        self._file.seek(0)
-        header = {"descr": self._dtype.str, "fortran_order": False, "shape": (self._rows, *self._row_shape)}
-        np.lib.format.write_array_header_2_0(self._file, header)
-
-    def append(self, rows: Any) -> None:
-        """Add rows, shape (row, *row_shape)."""
-        self._file.write(np.ascontiguousarray(rows, dtype=self._dtype).tobytes())
-        self._rows += len(rows)
-
-    def close(self) -> None:
-        """Write the number of rows and close."""
-        self._header()
-        self._file.close()
+_AGAIN = "build it again"
 
 
 @contextmanager
-def new_folder(out: Path) -> Iterator[Path]:
-    """Give a folder to work in that becomes `out` only when all went well.
+def folder_to_build(out: Path, origin: Origin) -> Iterator[None]:
+    """Make the folder of a library, or take up the one that is there.
+
+    What cannot be built leaves nothing behind; what was interrupted stays, so that it can go on.
 
     Raises
     ------
     InputError
-        If `out` is there already or its place cannot be written.
+        If something else is in the folder, or it cannot be written.
     """
+    made: Path | None = None
     if out.exists():
-        raise InputError("there is something already", where=out, remedy="choose another folder or remove it")
-    partial = out.with_name(out.name + ".partial")
+        _require_continuation(out, origin)
     try:
-        if partial.exists():
-            shutil.rmtree(partial)
-        partial.mkdir(parents=True)
+        if not out.exists():
+            made = next(path for path in (*reversed(out.parents), out) if not path.exists())
+        (out / shard.FOLDER).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
             f"cannot be written ({reason})", where=out, remedy="choose another folder"
         ) from error
     try:
-        yield partial
-        partial.rename(out)
-    except BaseException:
-        shutil.rmtree(partial, ignore_errors=True)
+        yield
+    except InputError:
+        if made is not None:
+            shutil.rmtree(made, ignore_errors=True)
         raise
 
 
-def digest(folder: Path) -> str:
-    """Give the digest of a library's content: its segments, all that is measured on them, its calibration."""
-    names = ("segments.parquet", "calibration.npz", *(f"{name}.npy" for name in ARRAYS))
-    return sha256_of_files(folder / name for name in names)
+def _require_continuation(out: Path, origin: Origin) -> None:
+    remedy = "choose another folder or remove it"
+    if not (out / MANIFEST).exists():
+        # What an interrupted build leaves: shards, perhaps an index without a manifest.
+        if out.is_dir() and all(_is_ours(path) for path in out.iterdir()):
+            return
+        raise InputError("there is something already", where=out, remedy=remedy)
+    manifest = read_manifest(out)
+    if not origin.continues(Origin(**manifest["origin"])):
+        raise InputError(
+            f"holds a library of other takes ({manifest['name']})",
+            where=out,
+            remedy="give all its folders again, choose another folder or remove it",
+        )
 
 
-UNCALIBRATED = Calibration(**{name: np.zeros(0) for name in Calibration.array_names()}, median_distance=1.0)
-"""Stands in for the calibration of a library that is being built."""
+def _is_ours(path: Path) -> bool:
+    return path.name == shard.FOLDER or path.name.startswith(("index-", MANIFEST))
 
 
-def write_calibration(folder: Path, scaler: FeatureScaler, calibration: Calibration) -> None:
-    """Save how features are scaled and what is light, intense, varied and smooth."""
-    arrays = {name: getattr(scaler, name) for name in _SCALER}
-    arrays |= {name: getattr(calibration, name) for name in Calibration.array_names()}
-    np.savez(folder / "calibration.npz", median_distance=calibration.median_distance, **arrays)
-
-
-def read_manifest(folder: Path) -> dict[str, Any]:
+def read_manifest(library: Path) -> dict[str, Any]:
     """Read what a library says of itself.
 
     Raises
     ------
     InputError
-        If the folder is not a library of this version.
+        If the folder is not a library of this version, or its build was interrupted.
     """
-    path = folder / "manifest.json"
+    path = library / MANIFEST
+    if (library / shard.FOLDER).is_dir() and not path.exists():
+        remedy = "run the same build again: it goes on where it was"
+        raise InputError("a library that is not finished", where=library, remedy=remedy)
     try:
         manifest: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         version = manifest["version"]
     except (OSError, ValueError, KeyError, TypeError):
         remedy = "build one with 'studykit library build' or 'studykit library sample'"
-        raise InputError("not a dance library", where=folder, remedy=remedy) from None
+        raise InputError("not a dance library", where=library, remedy=remedy) from None
     if version != VERSION:
         raise InputError(
-            f"a library of version {version}, this studykit reads {VERSION}",
-            where=path,
-            remedy="build it again",
+            f"a library of version {version}, this studykit reads {VERSION}", where=path, remedy=_AGAIN
         )
     return manifest
 
 
+def read_shards(index: Path) -> dict[str, dict[str, Any]]:
+    """Read which shards an index is over, in the order of its segments."""
+    shards: dict[str, dict[str, Any]] = json.loads((index / SHARDS).read_text(encoding="utf-8"))
+    return shards
+
+
+def write_calibration(path: Path, scaler: FeatureScaler, calibration: Calibration) -> None:
+    """Save how features are scaled and what is light, intense, varied and smooth."""
+    arrays = {name: getattr(scaler, name) for name in _SCALER}
+    arrays |= {name: getattr(calibration, name) for name in Calibration.array_names()}
+    np.savez(path, median_distance=calibration.median_distance, **arrays)
+
+
+def read_calibration(path: Path) -> tuple[FeatureScaler, Calibration]:
+    """Read what `write_calibration` saved."""
+    # NumPy leaves an archive that it cannot read open; a file of our own is closed.
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as saved:
+        scaler = FeatureScaler(**{name: saved[name] for name in _SCALER})
+        calibration = Calibration(
+            median_distance=float(saved["median_distance"]),
+            **{name: saved[name] for name in Calibration.array_names()},
+        )
+    return scaler, calibration
+
+
 def load(
-    folder: Path, *, name: str, scaler: FeatureScaler, calibration: Calibration, sha256: str
+    library: Path, folder: Path, *, name: str, scaler: FeatureScaler, calibration: Calibration, sha256: str
 ) -> DanceLibrary:
-    """Put a library together from the files of its segments and what is known of them."""
+    """Put a library together from the files of an index; arrays stay on disk until rows are used."""
     import pandas as pd
 
-    arrays = {
-        # What the search looks at all the time is held; the large arrays are mapped.
-        key: np.load(folder / f"{key}.npy", mmap_mode="r" if key in _MAPPED else None, allow_pickle=False)
-        for key in ARRAYS
+    segments = pd.read_parquet(folder / SEGMENTS)
+    shards = read_shards(folder)
+    keys, counts = list(shards), [one["segments"] for one in shards.values()]
+    arrays: dict[str, Any] = {
+        key: np.asarray(np.load(folder / f"{key}.npy", mmap_mode="r", allow_pickle=False)) for key in SMALL
     }
-    segments = pd.read_parquet(folder / "segments.parquet")
+    arrays |= {key: SegmentRows(library, key, keys, counts) for key in LARGE}
     if any(len(array) != len(segments) for array in arrays.values()):
         raise ValueError("arrays of different length")
+    for key, one in shards.items():
+        if one["segments"] and shard.large_path(library, key).stat().st_size != one["size"]:
+            raise ValueError(f"{shard.FOLDER}/{key}.npy is cut off")
     return DanceLibrary(
         name=name, segments=segments, scaler=scaler, calibration=calibration, sha256=sha256, **arrays
     )
@@ -170,18 +174,42 @@ def open_library(path: str | Path) -> DanceLibrary:
     InputError
         If the folder is not a library or one of its files is missing or broken.
     """
-    folder = Path(path)
-    manifest = read_manifest(folder)
+    library = Path(path)
+    manifest = read_manifest(library)
     try:
-        # NumPy leaves an archive that it cannot read open; a file of our own is closed.
-        with (folder / "calibration.npz").open("rb") as file, np.load(file, allow_pickle=False) as saved:
-            scaler = FeatureScaler(**{name: saved[name] for name in _SCALER})
-            calibration = Calibration(
-                median_distance=float(saved["median_distance"]),
-                **{name: saved[name] for name in Calibration.array_names()},
-            )
+        folder = library / manifest["index"]
+        scaler, calibration = read_calibration(folder / CALIBRATION)
         return load(
-            folder, name=manifest["name"], scaler=scaler, calibration=calibration, sha256=manifest["sha256"]
+            library,
+            folder,
+            name=manifest["name"],
+            scaler=scaler,
+            calibration=calibration,
+            sha256=manifest["sha256"],
         )
-    except (OSError, ValueError, EOFError, KeyError, BadZipFile) as error:
-        raise InputError(f"broken library ({error})", where=folder, remedy="build it again") from error
+    except (OSError, ValueError, EOFError, KeyError, TypeError, AttributeError, BadZipFile) as error:
+        raise InputError(f"broken library ({error})", where=library, remedy=_AGAIN) from error
+
+
+def index_folder(library: Path) -> Path:
+    """Give the folder of the index in use."""
+    return library / str(read_manifest(library)["index"])
+
+
+def require_intact(library: Path) -> None:
+    """Compare every file of a library with its digest.
+
+    Raises
+    ------
+    InputError
+        Names the first file that is not what was written.
+    """
+    manifest = read_manifest(library)
+    shards = read_shards(index_folder(library))
+    expected = {library / manifest["index"] / name: digest for name, digest in manifest["files"].items()}
+    expected |= {
+        shard.large_path(library, key): one["sha256"] for key, one in shards.items() if one["segments"]
+    }
+    for path, digest in expected.items():
+        if not path.exists() or sha256_of_file(path) != digest:
+            raise InputError("is not what was written", where=path, remedy=_AGAIN)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -70,6 +71,7 @@ class BodySegments:
         return np.asarray(self.masses * (self.gyration_radii * self.lengths) ** 2)
 
 
+@lru_cache(maxsize=8)
 def segments(skeleton: Skeleton = NEUTRAL_BODY, *, stature_m: float = DEFAULT_STATURE_M) -> BodySegments:
     """Give the mass, radius of gyration and length of what each joint of a body carries.
 

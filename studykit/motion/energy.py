@@ -32,7 +32,12 @@ def linear_energy(positions: Floats, frame_rate_hz: float) -> Floats:
     >>> round(float(linear_energy(steps + np.zeros((31, 24, 3)), 30.0).sum()), 6)
     0.625
     """
-    squares = np.sum(linear_velocities(positions, frame_rate_hz) ** 2, axis=(0, -1))
+    return np.asarray(linear_energy_steps(positions, frame_rate_hz).sum(axis=0))
+
+
+def linear_energy_steps(positions: Floats, frame_rate_hz: float) -> Floats:
+    """Give the summands of `linear_energy`, one row for each step, shape (frame - 1, 24)."""
+    squares = np.sum(linear_velocities(positions, frame_rate_hz) ** 2, axis=-1)
     return np.asarray(body.segments().masses * squares / (2.0 * positions.shape[1]))
 
 
@@ -55,6 +60,11 @@ def rotational_energy(
     ndarray, shape (24,), J per kg of body mass
         Their sum is the sum of E_R over the poses.
     """
-    squares = np.sum(angular_velocities(rotations, frame_rate_hz) ** 2, axis=(0, -1))
-    energies = body.segments().inertias * squares / (2.0 * rotations.shape[1])
+    energies = rotational_energy_steps(rotations, frame_rate_hz).sum(axis=0)
     return np.asarray(energies if joint_weights is None else energies * joint_weights)
+
+
+def rotational_energy_steps(rotations: Floats, frame_rate_hz: float) -> Floats:
+    """Give the summands of `rotational_energy`: one row for each step, shape (frame - 1, 24)."""
+    squares = np.sum(angular_velocities(rotations, frame_rate_hz) ** 2, axis=-1)
+    return np.asarray(body.segments().inertias * squares / (2.0 * rotations.shape[1]))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from studykit.motion import kinematics
+from studykit.core.arrays import Floats, Integers
+from studykit.motion import kinematics, rotation
 from studykit.motion.motion import Motion
 
 FRAME_RATE_HZ = 30.0
@@ -13,48 +16,66 @@ SEGMENT_S = SEGMENT_FRAMES / FRAME_RATE_HZ
 """Eight beats at 120 beats a minute, a phrase of most dances."""
 
 
-def segment_starts(runs: list[tuple[int, int]]) -> list[int]:
-    """Give the first frames of all whole segments in clean stretches, one after the other without overlap.
+def segment_starts(runs: Sequence[tuple[int, int]], *, stride_frames: int = SEGMENT_FRAMES) -> list[int]:
+    """Give the first frames of all whole segments in clean stretches.
+
+    Parameters
+    ----------
+    runs : sequence of (int, int)
+        Clean stretches: first frame, and frame after the last.
+    stride_frames : int
+        From the start of one segment to the next; fewer than 120 let them overlap.
 
     Examples
     --------
     >>> segment_starts([(0, 250), (300, 400), (410, 530)])
     [0, 120, 410]
+    >>> segment_starts([(0, 250)], stride_frames=60)
+    [0, 60, 120]
     """
     return [
-        frame for start, stop in runs for frame in range(start, stop - SEGMENT_FRAMES + 1, SEGMENT_FRAMES)
+        frame for start, stop in runs for frame in range(start, stop - SEGMENT_FRAMES + 1, stride_frames)
     ]
 
 
-def segment(motion: Motion, start: int, floor_m: float) -> Motion:
-    """Cut one segment, begin it at the origin, facing +Z, and put the floor at height zero.
+def cut(motion: Motion, positions: Floats, starts: Integers) -> tuple[Floats, Floats]:
+    """Cut segments; each begins at the origin, facing +Z, with the floor at height zero.
 
-    One turn is taken for the whole segment, from its first pose, so that the turns within it stay.
+    One turn is taken for a whole segment, from its first pose, so that the turns within it stay.
 
     Parameters
     ----------
     motion : Motion
         At 30 frames a second.
-    start : int
-        First frame.
-    floor_m : float
-        Height of the floor in the take.
+    positions : ndarray, shape (frame, 24, 3), m
+        Its pelvis-centred joint positions.
+    starts : ndarray, shape (segment,)
+        First frames.
+
+    Returns
+    -------
+    rotations : ndarray, shape (segment, 120, 24, 4)
+    root_positions : ndarray, shape (segment, 120, 3), m
     """
-    frames = slice(start, start + SEGMENT_FRAMES)
-    root = motion.root_positions[frames] - np.array(
-        [*motion.root_positions[start, [0]], floor_m, motion.root_positions[start, 2]]
-    )
-    cut = Motion(
-        skeleton=motion.skeleton,
-        rotations=motion.rotations[frames],
-        root_positions=root,
-        frame_rate_hz=motion.frame_rate_hz,
-    )
-    first = kinematics.centred_positions(cut.skeleton, cut.rotations[0])
-    return kinematics.turned(cut, -float(kinematics.facing(first)))
+    frames = starts[:, None] + np.arange(SEGMENT_FRAMES)
+    turn = rotation.yaw(-kinematics.facing(positions[starts]))[:, None]
+    rotations = motion.rotations[frames]
+    rotations[:, :, 0] = rotation.multiply(turn, rotations[:, :, 0])
+    root = motion.root_positions[frames]
+    origin = root[:, :1] * np.array([1.0, 0.0, 1.0])
+    origin[..., 1] = floor_height(positions, motion.root_positions)
+    return rotations, rotation.rotate(turn, root - origin)
 
 
-def floor_height(motion: Motion) -> float:
-    """Estimate the height of the floor, m: the lowest joint's height that 5 % of the frames stay below."""
-    lowest = kinematics.joint_positions(motion)[..., 1].min(axis=1)
+def floor_height(positions: Floats, root_positions: Floats) -> float:
+    """Estimate the height of the floor, m: the lowest joint's height that 5 % of the frames stay below.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (frame, 24, 3), m
+        Pelvis-centred.
+    root_positions : ndarray, shape (frame, 3), m
+        Where the pelvis is.
+    """
+    lowest = positions[..., 1].min(axis=1) + root_positions[:, 1]
     return float(np.percentile(lowest, 5.0))

@@ -137,12 +137,16 @@ def test_a_folder_that_cannot_be_written(refused: Refused, tmp_path: Path) -> No
     assert (tmp_path / "file").read_text() == "in the way"
 
 
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
 def test_something_that_is_there_already_is_never_replaced(
     refused: Refused, little_library: Path, tmp_path: Path
 ) -> None:
-    before = {path.name: path.read_bytes() for path in little_library.iterdir()}
+    before = contents(little_library)
     assert str(little_library) in refused("library", "sample", "--out", little_library, "--seed", "9")
-    assert {path.name: path.read_bytes() for path in little_library.iterdir()} == before
+    assert contents(little_library) == before
 
 
 @pytest.mark.parametrize(

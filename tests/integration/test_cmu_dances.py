@@ -23,8 +23,9 @@ from studykit.io.datasets.read import find_recipe
 from studykit.io.protocol_file import read_protocol
 from studykit.io.skeletal_take import SkeletalTake
 from studykit.io.skeleton_map import to_smpl
-from studykit.library import open_library
+from studykit.library import open_library, store
 from studykit.library.build import build
+from studykit.library.measure import Settings
 from studykit.motion import kinematics, rotation
 from studykit.motion.motion import Motion
 from studykit.motion.resampling import resampled
@@ -61,7 +62,7 @@ def library(library_folder: Path) -> DanceLibrary:
 
 @pytest.fixture(scope="session")
 def yields(library_folder: Path) -> pd.DataFrame:
-    return pd.read_csv(library_folder / "yield.csv").set_index("take")
+    return pd.read_csv(store.index_folder(library_folder) / store.TAKES).set_index("take")
 
 
 @pytest.fixture(scope="session")
@@ -200,17 +201,17 @@ def test_segments_are_apart_on_the_floor_and_face_ahead(library: DanceLibrary) -
     for _, rows in library.segments.groupby("take"):
         assert np.all(np.diff(rows["start_s"]) >= 4.0 - 1e-9)
     assert library.rotations.shape == (len(library), 120, 24, 4)
-    first = kinematics.centred_positions(NEUTRAL_BODY, np.asarray(library.rotations[:, 0], dtype=float))
+    first = kinematics.centred_positions(NEUTRAL_BODY, library.rotations[:][:, 0].astype(float))
     assert np.abs(kinematics.facing(first)).max() < 1e-5
-    assert np.abs(library.root_positions[:, 0, [0, 2]]).max() < 1e-5
-    heights = np.asarray(library.root_positions[:, :, 1])
+    assert np.abs(library.root_positions[:][:, 0, [0, 2]]).max() < 1e-5
+    heights = library.root_positions[:][:, :, 1]
     assert 0.75 < np.median(heights) < 1.0  # a pelvis over a floor at 0
     assert set(library.segments["genre"]) == {"salsa", "indian", "martial-arts"}
     assert not library.is_synthetic
 
 
 def test_features_are_standard_over_the_whole_library(library: DanceLibrary) -> None:
-    unclipped = library.scaler.logarithmic(library.features) - library.scaler.means
+    unclipped = library.scaler.logarithmic(library.features[:]) - library.scaler.means
     assert library.standardised(slice(0, 2)).shape == (2, 11_640)
     alive = library.scaler.deviations > 1e-8
     assert alive.sum() == 94  # all but the three of the pelvis
@@ -231,9 +232,10 @@ def test_six_takes_built_twice_give_the_same_bytes(cmu: Path, tmp_path: Path) ->
         link.parent.mkdir(parents=True, exist_ok=True)
         link.symlink_to(cmu / f"{name}.bvh.xz")
     for out in ("one", "two"):
-        build({tmp_path / "takes": find_recipe(cmu)}, tmp_path / out, seed=3)
+        build({tmp_path / "takes": find_recipe(cmu)}, tmp_path / out, settings=Settings(seed=3))
     first, second = (
-        {path.name: path.read_bytes() for path in (tmp_path / out).iterdir()} for out in ("one", "two")
+        {path.name: path.read_bytes() for path in (tmp_path / out).rglob("*") if path.is_file()}
+        for out in ("one", "two")
     )
     assert first == second
 

@@ -13,7 +13,7 @@ import pytest
 from studykit.analysis.tables import TRIALS, check
 from studykit.cli import main
 from studykit.io.protocol_file import default_protocol
-from studykit.library import make_sample, read_dances
+from studykit.library import make_sample, read_dances, store
 
 PEOPLE = 4
 
@@ -104,9 +104,9 @@ def test_the_yield_of_every_take_and_the_segments_of_every_dance_are_printed(
     studies: tuple[Path, Path], folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     library = folder / "library"
-    run("library", "info", library)
+    run("library", "info", library, "--takes")
     said = capsys.readouterr().out
-    takes = pd.read_csv(library / "yield.csv")
+    takes = pd.read_csv(store.index_folder(library) / store.TAKES)
     assert len(takes) == 24
     assert all(said.count(f"{take} ") == 1 for take in takes["take"])
     for head in ("segments possible", "kept by the paper's rule", "frames too fast", "too jerky"):

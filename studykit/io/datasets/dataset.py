@@ -55,7 +55,7 @@ class Dataset(Protocol):
         ...
 
     def companions(self, path: Path) -> list[Path]:
-        """List the further files that reading one depends on, such as labels or a skeleton; they may be absent."""
+        """List further files that reading one depends on, such as labels or a skeleton, there or not."""
         ...
 
     def read(self, path: Path, recipe: Recipe) -> list[Performance]:

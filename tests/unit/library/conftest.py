@@ -12,6 +12,7 @@ from studykit.choreography.dance_library import DanceLibrary
 from studykit.io.bvh import bvh_text
 from studykit.io.datasets.read import find_recipe
 from studykit.library.build import build
+from studykit.library.measure import Settings
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
@@ -79,7 +80,7 @@ def takes_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def built_folder(takes_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("libraries") / "three-takes"
-    build({takes_folder: find_recipe(takes_folder)}, out, seed=5)
+    build({takes_folder: find_recipe(takes_folder)}, out, settings=Settings(seed=5))
     return out
 
 

@@ -4,22 +4,67 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.errors import InputError
-from studykit.core.provenance import sha256_of_file
+from studykit.core.provenance import sha256_of_file, sha256_of_value
 from studykit.io.bvh import read_bvh
 from studykit.io.datasets.read import files_in, find_recipe, read_takes
 from studykit.io.datasets.take import Take, TakeSource
 from studykit.io.skeleton_map import to_smpl
-from studykit.library.build import build, write_library
-from studykit.motion import energy, features, kinematics
+from studykit.library import make_sample, open_library, shard, store
+from studykit.library.build import build, build_from
+from studykit.library.measure import Settings
+from studykit.library.origin import Origin
+from studykit.motion import energy, features, kinematics, rotation
 from studykit.motion.motion import Motion
 from studykit.motion.resampling import resampled
+from studykit.motion.skeleton import NEUTRAL_BODY
+
+
+def takes_of(library: Path) -> pd.DataFrame:
+    return pd.read_csv(store.index_folder(library) / store.TAKES).set_index("take")
+
+
+def content(library: Path) -> dict[str, bytes]:
+    """Give every file of a library by its path."""
+    return {
+        path.relative_to(library).as_posix(): path.read_bytes()
+        for path in sorted(library.rglob("*"))
+        if path.is_file()
+    }
+
+
+@dataclass(frozen=True)
+class Made:
+    """A source whose take is at hand."""
+
+    take: Take
+
+    @property
+    def name(self) -> str:
+        return self.take.name
+
+    @property
+    def data_set(self) -> str:
+        return self.take.source.data_set
+
+    def digest(self) -> str:
+        return sha256_of_value([self.name, self.take.motion.rotations.tolist()])
+
+    def takes(self) -> list[Take]:
+        return [self.take]
+
+
+def library_of(takes: list[Take], out: Path) -> DanceLibrary:
+    return build_from([Made(take) for take in takes], out, Origin(name="statues"))
 
 
 def test_takes_are_read_in_order_without_the_frames_to_skip(takes_folder: Path) -> None:
@@ -55,7 +100,8 @@ def test_whole_clean_segments_are_kept(built) -> None:
 
 
 def test_what_became_of_every_take_is_written_down(built_folder: Path) -> None:
-    rows = pd.read_csv(built_folder / "yield.csv").set_index("take")
+    rows = takes_of(built_folder)
+    assert rows["status"].to_dict() == {"tango": "kept", "waltz/01": "kept", "waltz/02": "kept"}
     assert rows["segments_possible"].to_dict() == {"tango": 3, "waltz/01": 4, "waltz/02": 3}
     assert rows["segments_kept"].to_dict() == {"tango": 3, "waltz/01": 3, "waltz/02": 3}
     assert rows["duration_s"].to_dict() == pytest.approx(
@@ -117,16 +163,13 @@ def test_segments_and_boundary_poses_look_ahead(built) -> None:
 def test_walking_costs_nothing_by_itself(tmp_path: Path) -> None:
     # A statue carried through the room at 2 m/s: positions count from the pelvis.
     takes = [a_statue("one"), a_statue("two")]
-    library = write_library(takes, tmp_path / "statues", name="statues")
+    library = library_of(takes, tmp_path / "statues")
     assert len(library) == 8
     assert library.linear_energies.sum() == pytest.approx(0.0, abs=1e-12)
     assert library.rotational_energies.sum() == pytest.approx(0.0, abs=1e-12)
 
 
 def a_statue(name: str) -> Take:
-    from studykit.motion import rotation
-    from studykit.motion.skeleton import NEUTRAL_BODY
-
     return Take(
         name=name,
         motion=Motion(
@@ -142,19 +185,21 @@ def a_statue(name: str) -> Take:
 
 
 def test_the_paper_s_rule_keeps_less(takes_folder: Path, built_folder: Path, tmp_path: Path) -> None:
-    rows = pd.read_csv(built_folder / "yield.csv")
+    rows = takes_of(built_folder)
     assert rows["segments_paper"].sum() < rows["segments_kept"].sum()
     with pytest.raises(InputError, match=r"^three-takes: (no segment is left|\d segments)"):
-        build({takes_folder: find_recipe(takes_folder)}, tmp_path / "paper", noise_rule="paper")
+        build(
+            {takes_folder: find_recipe(takes_folder)},
+            tmp_path / "paper",
+            settings=Settings(noise_rule="paper"),
+        )
     assert list(tmp_path.iterdir()) == []
 
 
 def test_the_same_takes_give_the_same_bytes(takes_folder: Path, built_folder: Path, tmp_path: Path) -> None:
-    build({takes_folder: find_recipe(takes_folder)}, tmp_path / "again", seed=5)
-    names = sorted(path.name for path in built_folder.iterdir())
-    assert names == sorted(path.name for path in (tmp_path / "again").iterdir())
-    for name in names:
-        assert (tmp_path / "again" / name).read_bytes() == (built_folder / name).read_bytes(), name
+    again = tmp_path / "again"
+    build({takes_folder: find_recipe(takes_folder)}, again, settings=Settings(seed=5), workers=2)
+    assert content(again) == content(built_folder)
 
 
 @pytest.mark.parametrize("frames", [1, 2, 30])
@@ -170,7 +215,7 @@ def test_a_take_of_hardly_a_frame_gives_nothing(frames, tmp_path: Path) -> None:
         ),
         source=short.source,
     )
-    library = write_library([short, a_statue("one"), a_statue("two")], tmp_path / "out", name="statues")
+    library = library_of([short, a_statue("one"), a_statue("two")], tmp_path / "out")
     assert library.segments["take"].unique().tolist() == ["one", "two"]
 
 
@@ -209,11 +254,29 @@ class TestBadInput:
             "give at least 8 segments (32 s) from two takes."
         )
 
-    def test_a_broken_take_after_good_ones(self, folder: Path, tmp_path: Path) -> None:
-        text = (folder / "tango.bvh").read_text()
-        (folder / "zouk.bvh").write_text(text[:-500])
+    def test_a_broken_take_among_good_ones_is_left_out_and_listed(
+        self, takes_folder: Path, tmp_path: Path
+    ) -> None:
+        folder = tmp_path / "takes"
+        shutil.copytree(takes_folder, folder)
+        (folder / "a-broken.bvh").write_text((folder / "tango.bvh").read_text()[:-500])
+        library = build({folder: find_recipe(folder)}, tmp_path / "out")
+        assert len(library) == 9
+        rows = takes_of(tmp_path / "out")
+        assert rows["status"].to_dict() == {
+            "a-broken": "refused",
+            "tango": "kept",
+            "waltz/01": "kept",
+            "waltz/02": "kept",
+        }
+        assert rows.loc["a-broken", "reason"].startswith(f"{folder / 'a-broken.bvh'}, line ")
+        manifest = store.read_manifest(tmp_path / "out")
+        assert (manifest["takes"], manifest["takes_refused"]) == (3, 1)
+
+    def test_nothing_but_broken_takes(self, folder: Path, tmp_path: Path) -> None:
+        (folder / "tango.bvh").write_text((folder / "tango.bvh").read_text()[:-500])
         said = self.refusal(folder, tmp_path / "out")
-        assert said.startswith(f"{folder / 'zouk.bvh'}, line ")
+        assert said.startswith(f"{folder / 'tango.bvh'}, line ")
         assert said.endswith("export the take again.")
 
     def test_a_take_with_nothing_but_frames_to_skip(self, folder: Path, tmp_path: Path) -> None:
@@ -225,6 +288,19 @@ class TestBadInput:
             f"{take}: has 5 frames, 4 are to be skipped; remove the file or lower skip_frames."
         )
 
+    def test_the_library_of_other_takes_is_not_replaced(self, folder: Path, tmp_path: Path, built) -> None:
+        other = tmp_path / "statues"
+        library_of([a_statue("one"), a_statue("two")], other)
+        before = content(other)
+        make_sample(tmp_path / "sample", segments=20, seed=1)
+        sampled = content(tmp_path / "sample")
+        with pytest.raises(InputError, match=r"sample: holds a library of other takes \(studykit-synthetic"):
+            build({folder: find_recipe(folder)}, tmp_path / "sample")
+        with pytest.raises(InputError, match="holds a library of other takes"):
+            make_sample(tmp_path / "sample", segments=20, seed=2)
+        assert content(tmp_path / "sample") == sampled
+        assert content(other) == before
+
     @pytest.mark.parametrize("kind", ["file", "folder"])
     def test_something_is_there_already(self, folder: Path, tmp_path: Path, kind: str) -> None:
         out = tmp_path / "out"
@@ -233,6 +309,7 @@ class TestBadInput:
         else:
             out.mkdir()
             (out / "mine.txt").write_text("mine")
+            (out / "takes").mkdir()
         assert self.refusal(folder, out) == (
             f"{out}: there is something already; choose another folder or remove it."
         )
@@ -256,3 +333,176 @@ def test_two_folders_make_one_library_and_rates_may_be_corrected(takes_folder: P
     assert all(name.startswith("slower/") for name in names["slower"])
     counts = both.segments["data_set"].value_counts()
     assert counts["slower"] > counts[recipe.data_set]
+
+
+class TestBuildingAgain:
+    """A second build makes only what is not there yet, and ends as if it were the first."""
+
+    @pytest.fixture
+    def folder(self, takes_folder: Path, tmp_path: Path) -> Path:
+        shutil.copytree(takes_folder, tmp_path / "takes")
+        return tmp_path / "takes"
+
+    @pytest.fixture
+    def made(self, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+        """List the takes whose shards are written from now on."""
+        names: list[str] = []
+        write = shard.write
+
+        def told(library: Path, key: str, takes) -> dict:
+            names.extend(take.name for take, _ in takes)
+            return write(library, key, takes)
+
+        monkeypatch.setattr(shard, "write", told)
+        return names
+
+    @staticmethod
+    def fresh(folder: Path, out: Path, **options) -> dict[str, bytes]:
+        build({folder: find_recipe(folder)}, out, **options)
+        return content(out)
+
+    def test_nothing_changed(self, folder: Path, tmp_path: Path, made: list[str]) -> None:
+        first = self.fresh(folder, tmp_path / "out")
+        times = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")}
+        made.clear()
+        assert self.fresh(folder, tmp_path / "out") == first
+        assert made == []
+        assert {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")} == times
+
+    def test_a_new_take_rewrites_no_other(self, folder: Path, tmp_path: Path, made: list[str]) -> None:
+        kept = tmp_path / "later.bvh"
+        (folder / "tango.bvh").rename(kept)
+        # Not enough to calibrate with one genre alone? Eight chains of six waltz segments need all.
+        with pytest.raises(InputError, match="too few to calibrate"):
+            self.fresh(folder, tmp_path / "few")
+        shutil.copy(folder / "waltz" / "02.bvh.xz", folder / "waltz" / "03.bvh.xz")
+        self.fresh(folder, tmp_path / "out")
+        older = {path: path.read_bytes() for path in (tmp_path / "out" / "takes").iterdir()}
+        made.clear()
+        kept.rename(folder / "tango.bvh")
+        grown = self.fresh(folder, tmp_path / "out")
+        assert made == ["tango"]
+        assert all(path.read_bytes() == data for path, data in older.items())
+        assert grown == self.fresh(folder, tmp_path / "anew")
+
+    @pytest.mark.parametrize(
+        ("change", "again"),
+        [
+            (lambda folder: (folder / "tango.bvh").unlink(), []),
+            (
+                lambda folder: (folder / "library.toml").write_text(
+                    (folder / "library.toml").read_text().replace('genre = "tango"', 'genre = "milonga"')
+                ),
+                ["tango"],
+            ),
+            (
+                lambda folder: (folder / "tango.bvh").write_text((folder / "tango.bvh").read_text() + "\n"),
+                ["tango"],
+            ),
+            (
+                lambda folder: (folder / "library.toml").write_text(
+                    (folder / "library.toml").read_text().replace("skip_frames = 4", "skip_frames = 5")
+                ),
+                ["tango", "waltz/01", "waltz/02", "waltz/03"],
+            ),
+        ],
+        ids=["a take is gone", "a rule for one take", "a changed file", "a rule for all"],
+    )
+    def test_only_what_changed_is_read_again(
+        self,
+        folder: Path,
+        tmp_path: Path,
+        made: list[str],
+        change: Callable[[Path], object],
+        again: list[str],
+    ) -> None:
+        shutil.copy(folder / "waltz" / "02.bvh.xz", folder / "waltz" / "03.bvh.xz")
+        self.fresh(folder, tmp_path / "out")
+        change(folder)
+        made.clear()
+        changed = self.fresh(folder, tmp_path / "out")
+        assert made == again
+        assert changed == self.fresh(folder, tmp_path / "anew")
+
+    def test_what_an_interrupted_build_left_is_taken_up(
+        self, folder: Path, tmp_path: Path, made: list[str], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        whole = self.fresh(folder, tmp_path / "whole")
+        out = tmp_path / "out"
+        write, count = shard.write, [0]
+
+        def stops(library: Path, key: str, takes) -> dict:
+            count[0] += 1
+            if count[0] == 3:
+                raise KeyboardInterrupt
+            return write(library, key, takes)
+
+        monkeypatch.setattr(shard, "write", stops)
+        with pytest.raises(KeyboardInterrupt):
+            self.fresh(folder, out)
+        with pytest.raises(InputError, match="a library that is not finished; run the same build again"):
+            open_library(out)
+        # What a kill can leave: a file half written, another cut off although its outcome is there.
+        (out / "takes" / "0123.npy.77.partial").write_bytes(b"half")
+        cut_off = next((out / "takes").glob("*.small.npy"))
+        cut_off.write_bytes(cut_off.read_bytes()[:-7])
+        made.clear()
+        monkeypatch.setattr(shard, "write", write)
+        assert self.fresh(folder, out) == whole
+        assert len(made) == 2
+
+
+def test_mirrored_segments_are_the_same_dance_with_the_sides_exchanged(
+    takes_folder: Path, tmp_path: Path, built
+) -> None:
+    both = build(
+        {takes_folder: find_recipe(takes_folder)}, tmp_path / "both", settings=Settings(seed=5, mirrored=True)
+    )
+    table = both.segments
+    assert len(both) == 18
+    assert table["mirrored"].sum() == 9
+    plain, other = both.find(mirrored=False), both.find(mirrored=True)
+    assert both.linear_energies[plain] == pytest.approx(built.linear_energies)
+    swap = list(NEUTRAL_BODY.mirror)
+    assert both.rotational_energies[other].sum() == pytest.approx(both.rotational_energies[plain].sum(), 0.05)
+    turned = np.asarray(both.rotations[plain])[:, :, swap] * np.array([1.0, 1.0, -1.0, -1.0])
+    inner = list(range(1, 24))  # the pelvis is turned to face ahead
+    assert np.abs(np.sum(turned[:, :, inner] * both.rotations[other][:, :, inner], axis=-1)) == pytest.approx(
+        1.0, abs=1e-5
+    )
+
+
+def test_a_stride_lets_segments_overlap(takes_folder: Path, tmp_path: Path) -> None:
+    library = build(
+        {takes_folder: find_recipe(takes_folder)}, tmp_path / "out", settings=Settings(stride_s=1.0)
+    )
+    starts = library.segments.query("take == 'waltz/02'")["start_s"].to_numpy()
+    assert starts == pytest.approx(np.arange(len(starts)))
+    assert len(starts) == 9
+    first, second = library.rotations[library.find(take="waltz/02")[:2]]
+    assert first[30:, 1:] == pytest.approx(second[:90, 1:], abs=1e-6)
+
+
+def test_rows_are_read_in_the_order_asked_for(built) -> None:
+    everything = np.asarray(built.features[:])
+    assert everything.shape == built.features.shape == (9, 120, 97)
+    for rows in ([8, 0, 3, 3], slice(2, 7, 2), np.array([5])):
+        assert np.array_equal(built.features[rows], everything[rows])
+    assert np.array_equal(built.features[4], everything[4])
+    assert np.array_equal(built.features[-1], everything[-1])
+    with pytest.raises(IndexError):
+        built.features[9]
+
+
+def test_segments_are_found_without_reading_an_array(built, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shard.SegmentRows, "__getitem__", lambda *_: pytest.fail("an array was read"))
+    energies = built.segments["linear_energy"].to_numpy()
+    middle = float(np.median(energies))
+    found = built.find(genre="waltz", linear_energy=(middle, np.inf))
+    assert found.tolist() == [
+        row for row in range(9) if energies[row] >= middle and built.segments["genre"][row] == "waltz"
+    ]
+    assert len(built.find(performer="Nobody")) == 0
+    with pytest.raises(InputError, match="three-takes: segments have no 'gnere'; choose from id, take"):
+        built.find(gnere="waltz")
+    assert energies == pytest.approx(built.linear_energies.sum(axis=1))

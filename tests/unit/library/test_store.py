@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -11,64 +12,35 @@ import pytest
 
 from studykit.core.errors import InputError
 from studykit.library import open_library, store
+from studykit.library.shard import SegmentRows
 
 
-def test_rows_are_written_one_after_the_other(tmp_path: Path) -> None:
-    writer = store.ArrayWriter(tmp_path / "rows.npy", (2, 3), "<f4")
-    rows = np.arange(66, dtype=np.float32).reshape(11, 2, 3)
-    for start in (0, 1, 4):
-        writer.append(rows[start : {0: 1, 1: 4, 4: 11}[start]])
-    writer.close()
-    assert np.array_equal(np.load(tmp_path / "rows.npy"), rows)
-    assert np.array_equal(np.load(tmp_path / "rows.npy", mmap_mode="r")[5], rows[5])
-
-
-def test_no_rows_are_an_array_too(tmp_path: Path) -> None:
-    store.ArrayWriter(tmp_path / "rows.npy", (4,), "<f8").close()
-    assert np.load(tmp_path / "rows.npy").shape == (0, 4)
-
-
-def test_a_new_folder_appears_only_when_all_went_well(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-
-    def interrupted() -> None:
-        with store.new_folder(out) as folder:
-            (folder / "half").write_text("")
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        interrupted()
-    assert list(tmp_path.iterdir()) == []
-    # What a killed process left behind is no obstacle.
-    (tmp_path / "out.partial").mkdir()
-    (tmp_path / "out.partial" / "old").write_text("")
-    with store.new_folder(out) as folder:
-        (folder / "whole").write_text("")
-        assert not out.exists()
-    assert [path.name for path in out.iterdir()] == ["whole"]
-    assert [path.name for path in tmp_path.iterdir()] == ["out"]
-
-
-def test_what_is_looked_at_rarely_stays_on_disk(built) -> None:
-    assert isinstance(built.rotations, np.memmap)
-    assert isinstance(built.features, np.memmap)
-    assert not isinstance(built.first_poses, np.memmap)
+def test_arrays_stay_on_disk(built) -> None:
+    assert isinstance(built.rotations, SegmentRows)
+    assert isinstance(built.features, SegmentRows)
+    assert not built.linear_energies.flags.owndata
+    assert not built.linear_energies.flags.writeable
     assert built.features.shape == (9, 120, 97)
     assert built.rotations.dtype == built.features.dtype == np.float32
 
 
-def test_the_digest_covers_every_row_and_the_calibration(built, built_folder: Path, tmp_path: Path) -> None:
-    assert built.sha256 == store.digest(built_folder)
-    copy = tmp_path / "copy"
-    shutil.copytree(built_folder, copy)
-    energies = np.load(copy / "linear_energies.npy")
-    energies[3, 3] += 1e-12
-    np.save(copy / "linear_energies.npy", energies)
-    assert store.digest(copy) != built.sha256
-    shutil.copy(built_folder / "linear_energies.npy", copy)
-    assert store.digest(copy) == built.sha256
-    store.write_calibration(copy, built.scaler, store.UNCALIBRATED)
-    assert store.digest(copy) != built.sha256
+def test_every_file_is_compared_with_its_digest(built_folder: Path, tmp_path: Path) -> None:
+    store.require_intact(built_folder)
+    names = [
+        path.relative_to(built_folder)
+        for path in sorted(built_folder.rglob("*"))
+        if path.suffix in {".npy", ".parquet", ".npz", ".csv"} and ".small" not in path.name
+    ]
+    assert len(names) >= 10
+    for name in names:
+        copy = tmp_path / "copy"
+        shutil.copytree(built_folder, copy)
+        data = bytearray((copy / name).read_bytes())
+        data[-1] ^= 1
+        (copy / name).write_bytes(data)
+        with pytest.raises(InputError, match=rf"{re.escape(name.as_posix())}: is not what was written"):
+            store.require_intact(copy)
+        shutil.rmtree(copy)
 
 
 def cut(path: Path) -> None:
@@ -86,17 +58,18 @@ def junk(path: Path) -> None:
 @pytest.mark.parametrize("harm", [cut, empty, junk, Path.unlink])
 @pytest.mark.parametrize(
     "name",
-    ["manifest.json", "segments.parquet", "calibration.npz", "features.npy", "linear_energies.npy"],
+    ["manifest.json", "segments.parquet", "calibration.npz", "shards.json", "linear_energies.npy", "a shard"],
 )
 def test_a_broken_library_is_named(built_folder: Path, tmp_path: Path, name: str, harm) -> None:
     copy = tmp_path / "copy"
     shutil.copytree(built_folder, copy)
-    harm(copy / name)
+    found = sorted(path for path in copy.rglob(f"{name}*") if path.is_file())
+    harm(found[0] if found else min((copy / "takes").glob("?*[0-9a-f].npy")))
     with pytest.raises(InputError) as caught:
         open_library(copy)
     said = str(caught.value)
     assert said.startswith(f"{copy}: ")
-    assert said.endswith("build it again.") or "build one with" in said
+    assert said.endswith("build it again.") or "build one with" in said or "run the same build" in said
     assert "\n" not in said
 
 
@@ -107,7 +80,7 @@ def test_a_broken_library_is_named(built_folder: Path, tmp_path: Path, name: str
         ([], "not a dance library; build one"),
         (
             {"version": 99},
-            r"manifest\.json: a library of version 99, this studykit reads 1; build it again\.",
+            r"manifest\.json: a library of version 99, this studykit reads 2; build it again\.",
         ),
     ],
 )
@@ -122,14 +95,15 @@ def test_a_manifest_of_something_else(built_folder: Path, tmp_path: Path, manife
 def test_arrays_of_different_length_are_refused(built_folder: Path, tmp_path: Path) -> None:
     copy = tmp_path / "copy"
     shutil.copytree(built_folder, copy)
-    np.save(copy / "first_poses.npy", np.load(copy / "first_poses.npy")[:-1])
+    poses = store.index_folder(copy) / "first_poses.npy"
+    np.save(poses, np.load(poses)[:-1])
     with pytest.raises(InputError, match=r"broken library \(arrays of different length\); build it again\."):
         open_library(copy)
 
 
 def test_calibration_and_scaler_come_back_as_they_were(built, tmp_path: Path) -> None:
-    store.write_calibration(tmp_path, built.scaler, built.calibration)
-    with np.load(tmp_path / "calibration.npz") as saved:
-        assert np.array_equal(saved["means"], built.scaler.means)
-        assert np.array_equal(saved["join_displacements"], built.calibration.join_displacements)
-        assert float(saved["median_distance"]) == built.calibration.median_distance
+    store.write_calibration(tmp_path / "saved.npz", built.scaler, built.calibration)
+    scaler, calibration = store.read_calibration(tmp_path / "saved.npz")
+    assert np.array_equal(scaler.means, built.scaler.means)
+    assert np.array_equal(calibration.join_displacements, built.calibration.join_displacements)
+    assert calibration.median_distance == built.calibration.median_distance

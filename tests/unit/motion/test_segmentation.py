@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -49,14 +50,17 @@ def test_segments_never_overlap_nor_leave_their_run() -> None:
 @pytest.mark.parametrize("start", [0, 37, 280])
 def test_a_segment_begins_at_the_origin_facing_ahead(start) -> None:
     take = dancing()
-    cut = segmentation.segment(take, start, floor_m=0.2)
+    centred = kinematics.centred_positions(take.skeleton, take.rotations)
+    rotations, roots = segmentation.cut(take, centred, np.array([start, 11]))
+    floor = segmentation.floor_height(centred, take.root_positions)
+    cut = replace(take, rotations=rotations[0], root_positions=roots[0])
     assert len(cut) == 120
     assert cut.duration_s == segmentation.SEGMENT_S
     positions = kinematics.joint_positions(cut)
     assert float(kinematics.facing(positions[0])) == pytest.approx(0.0, abs=1e-9)
     assert cut.root_positions[0, [0, 2]] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert positions[..., 1] == pytest.approx(
-        kinematics.joint_positions(take)[start : start + 120, :, 1] - 0.2, abs=1e-9
+        kinematics.joint_positions(take)[start : start + 120, :, 1] - floor, abs=1e-9
     )
     # One turn for the whole segment: the dancer's own turning stays.
     turning = np.diff(np.unwrap(kinematics.facing(positions)))
@@ -71,7 +75,9 @@ def test_the_floor_is_where_the_feet_are_not_where_a_glitch_is() -> None:
     roots = np.array(take.root_positions)
     roots[:, 1] -= lowest - 0.07  # the lowest joint always at 0.07 m ...
     roots[100:104, 1] -= 2.0  # ... but for four frames under ground
-    standing = Motion(
-        skeleton=take.skeleton, rotations=take.rotations, root_positions=roots, frame_rate_hz=30.0
-    )
-    assert segmentation.floor_height(standing) == pytest.approx(0.07, abs=1e-9)
+    centred = kinematics.centred_positions(take.skeleton, take.rotations)
+    assert segmentation.floor_height(centred, roots) == pytest.approx(0.07, abs=1e-9)
+
+
+def test_segments_may_overlap_by_a_stride() -> None:
+    assert segmentation.segment_starts([(5, 250)], stride_frames=30) == [5, 35, 65, 95, 125]
