@@ -271,9 +271,9 @@ def _dtype(arguments: Any, state: Any) -> np.dtype[Any]:
     code = arguments[0] if arguments else None
     if not isinstance(code, str) or not _NUMBERS.fullmatch(code):
         raise RefusedError("an array is not made of plain numbers")
-    order = state[1] if isinstance(state, tuple) and len(state) > 1 else "="
+    order = "=" if state is None else state[1] if isinstance(state, tuple) and len(state) > 1 else None
     if order not in _ORDER:
-        raise RefusedError("an array has no byte order")
+        raise RefusedError("the type of an array has a state that it does not have")
     dtype = np.dtype(code).newbyteorder(cast(Literal["<", ">", "=", "|"], order))
     if dtype.itemsize == 0:
         raise RefusedError("an array is made of nothing")

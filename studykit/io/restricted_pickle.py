@@ -60,7 +60,9 @@ def read_pickle(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> Any:
     """
     data = read_bytes(path, largest_bytes=largest_bytes)
     try:
-        return Values().of(_Machine(data).result())
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about escapes that mean nothing
+            return Values().of(_Machine(data).result())
     except RefusedError as refusal:
         remedy = "do not open it; get it again from where it is published" if refusal.hostile else ""
         raise InputError(
@@ -157,9 +159,7 @@ def _quoted(line: bytes) -> str:
     text = line.strip()
     if not line.endswith(b"\n") or len(text) < 2 or text[:1] not in (b"'", b'"') or text[-1:] != text[:1]:
         raise ValueError("a text has no quotes")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about escapes that mean nothing
-        return codecs.escape_decode(text[1:-1])[0].decode("latin-1")
+    return codecs.escape_decode(text[1:-1])[0].decode("latin-1")
 
 
 def _dict(items: list[Any]) -> dict[Any, Any]:
