@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,8 +16,15 @@ from studykit.io.skeletal_take import SkeletalTake
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
 
+MOST_JOINTS = 1000
+MOST_NUMBERS = 100_000_000
+"""No take holds more (an hour of 24 joints at 120 Hz has 32 million); what says so is not a take."""
+LARGEST = 1e7
+"""No angle in degrees and no length in any unit in use is larger."""
+
 _AGAIN = "export the take again"
 _CHANNELS = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
+_POSITIONS = ("Xposition", "Yposition", "Zposition")
 
 
 @dataclass(slots=True)
@@ -38,10 +47,11 @@ def read_bvh(path: Path) -> SkeletalTake:
     if not any(line.strip() for line in lines):
         raise InputError("the file is empty", where=path, remedy=_AGAIN)
     joints, motion_line = _read_hierarchy(path, lines)
-    frame_time, values = _read_frames(path, lines, motion_line, sum(len(joint.channels) for joint in joints))
+    frame_time, values = _read_frames(path, lines, motion_line, joints)
 
     rotations = rotation.identity(len(values), len(joints))
     root_positions = np.tile(np.array(joints[0].offset), (len(values), 1))
+    shifts: dict[int, Floats] = {}
     column = 0
     for number, joint in enumerate(joints):
         columns = {name: column + place for place, name in enumerate(joint.channels)}
@@ -50,9 +60,11 @@ def read_bvh(path: Path) -> SkeletalTake:
             angles = np.deg2rad(values[:, [columns[name] for name in turns]])
             rotations[:, number] = _turned_in_order([name[0] for name in turns], angles)
         if number == 0:
-            for axis, name in enumerate(("Xposition", "Yposition", "Zposition")):
+            for axis, name in enumerate(_POSITIONS):
                 if name in columns:
                     root_positions[:, axis] += values[:, columns[name]]
+        elif columns.keys() >= set(_POSITIONS):
+            shifts[number] = values[:, [columns[name] for name in _POSITIONS]]
         column += len(joint.channels)
     return SkeletalTake(
         path=path,
@@ -62,6 +74,7 @@ def read_bvh(path: Path) -> SkeletalTake:
         rotations=rotations,
         root_positions=root_positions,
         frame_rate_hz=1.0 / frame_time,
+        shifts=shifts,
     )
 
 
@@ -79,6 +92,7 @@ def _turned_in_order(axes: list[str], angles: Floats) -> Floats:
 def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
     """Read the skeleton; give its joints and the number of the line that says MOTION."""
     joints: list[_Joint] = []
+    known: set[str] = set()
     open_joints: list[int | None] = []  # None stands for an end site
     pending: int | None = None
     for number, line in enumerate(lines):
@@ -90,6 +104,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
             case ["ROOT" | "JOINT", name, *rest]:
                 pending = len(joints)
                 joints.append(_Joint(name=" ".join((name, *rest)), parent=_parent(open_joints, place)))
+                _check_new(joints[-1].name, known, place)
             case ["End", *_]:
                 pending = None
             case ["{"]:
@@ -108,6 +123,14 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
     raise InputError("the file ends before its motion", where=place, remedy=_AGAIN)
 
 
+def _check_new(name: str, known: set[str], place: str) -> None:
+    if name in known:
+        raise InputError(f"a second joint called {name[:40]!r}", where=place, remedy=_AGAIN)
+    known.add(name)
+    if len(known) > MOST_JOINTS:
+        raise InputError(f"more than {MOST_JOINTS} joints", where=place, remedy=_AGAIN)
+
+
 def _parent(open_joints: list[int | None], place: str) -> int:
     parent = open_joints[-1] if open_joints else -1
     if parent is None:
@@ -117,9 +140,11 @@ def _parent(open_joints: list[int | None], place: str) -> int:
 
 def _checked_channels(count: str, names: list[str], place: str) -> tuple[str, ...]:
     if count != str(len(names)):
-        raise InputError(f"{count} channels promised, {len(names)} named", where=place, remedy=_AGAIN)
+        raise InputError(f"{count[:12]} channels promised, {len(names)} named", where=place, remedy=_AGAIN)
+    if len(names) > len(_CHANNELS):
+        raise InputError(f"{len(names)} channels in one joint", where=place, remedy=_AGAIN)
     if len(_CHANNELS.intersection(names)) != len(names):
-        raise InputError(f"channels {' '.join(names)}, not all known", where=place, remedy=_AGAIN)
+        raise InputError(f"channels {' '.join(names)[:80]}, not all known", where=place, remedy=_AGAIN)
     return tuple(names)
 
 
@@ -128,14 +153,17 @@ def _set_offset(joints: list[_Joint], joint: int | None, numbers: list[str], pla
         offset = tuple(float(number) for number in numbers)
     except ValueError:
         offset = ()
-    if len(offset) != 3 or not np.all(np.isfinite(offset)):
+    if len(offset) != 3 or not all(abs(number) <= LARGEST for number in offset):
         raise InputError("an OFFSET needs three numbers", where=place, remedy=_AGAIN)
     if joint is not None:
         joints[joint].offset = offset
 
 
-def _read_frames(path: Path, lines: list[str], motion_line: int, channels: int) -> tuple[float, Floats]:
+def _read_frames(
+    path: Path, lines: list[str], motion_line: int, joints: list[_Joint]
+) -> tuple[float, Floats]:
     """Read the frames below MOTION; give the frame time (s) and the values, shape (frame, channel)."""
+    channels = sum(len(joint.channels) for joint in joints)
     place = f"{path}, line {motion_line + 2}"
     head = [line.replace(":", " ").split() for line in lines[motion_line + 1 : motion_line + 3]]
     try:
@@ -146,17 +174,21 @@ def _read_frames(path: Path, lines: list[str], motion_line: int, channels: int) 
     if frames < 1 or not 0.0 < frame_time < np.inf:
         raise InputError("no frames, or no frame time above zero", where=place, remedy=_AGAIN)
     if len(rows) != frames:
-        raise InputError(f"{frames} frames promised, {len(rows)} found", where=place, remedy=_AGAIN)
-    try:
-        values = np.array([line.split() for _, line in rows], dtype=np.float64)
-    except ValueError:
-        values = np.empty((frames, 0))
-    if values.shape[1] != channels or not np.all(np.isfinite(values)):
+        raise InputError(f"{frames:.12g} frames promised, {len(rows)} found", where=place, remedy=_AGAIN)
+    if not channels or frames * max(channels, 4 * len(joints)) > MOST_NUMBERS:
+        problem = f"{frames} frames of {len(joints)} joints with {channels} channels are no take"
+        raise InputError(problem, where=place, remedy=_AGAIN)
+    # NumPy's fastest reader of numbers, and the one that keeps no word in memory; it does not see lines.
+    values = np.empty(0)
+    if all(len(line.split()) == channels for _, line in rows):
+        with suppress(ValueError, DeprecationWarning), warnings.catch_warnings(action="error"):
+            values = np.fromstring("\n".join(line for _, line in rows), sep=" ", dtype=np.float64)
+    if values.size != frames * channels or not np.all(np.abs(values) <= LARGEST):
         for number, line in rows:
             if not _is_row(line, channels):
-                place = f"{path}, line {number}"
-                raise InputError(f"not {channels} finite numbers", where=place, remedy=_AGAIN)
-    return frame_time, values
+                problem = f"not {channels} finite numbers"
+                raise InputError(problem, where=f"{path}, line {number}", remedy=_AGAIN)
+    return frame_time, values.reshape(frames, channels)
 
 
 def _is_row(line: str, channels: int) -> bool:
@@ -164,7 +196,7 @@ def _is_row(line: str, channels: int) -> bool:
         values = np.array(line.split(), dtype=np.float64)
     except ValueError:
         return False
-    return len(values) == channels and bool(np.all(np.isfinite(values)))
+    return len(values) == channels and bool(np.all(np.abs(values) <= LARGEST))
 
 
 def bvh_text(motion: Motion) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from studykit.core.arrays import Floats
@@ -28,6 +28,9 @@ class SkeletalTake:
         In the file's unit.
     frame_rate_hz : float
         What the file says (or its format, where files do not say); for some public takes this is wrong.
+    shifts : dict of int to ndarray, shape (frame, 3)
+        Where joints other than the root lie from their parent, for those that the file moves; they stand in
+        the place of the offsets where the travel of a body is kept in them.
     """
 
     path: Path
@@ -37,3 +40,4 @@ class SkeletalTake:
     rotations: Floats
     root_positions: Floats
     frame_rate_hz: float
+    shifts: dict[int, Floats] = field(default_factory=dict)

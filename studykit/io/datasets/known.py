@@ -6,9 +6,12 @@ from studykit.io.datasets.aioz_gdance import AiozGdance
 from studykit.io.datasets.aistpp import AistPlusPlus
 from studykit.io.datasets.aistpp_keypoints import AistPlusPlusKeypoints
 from studykit.io.datasets.amass import Amass
+from studykit.io.datasets.asf_amc import AsfAmcFiles
 from studykit.io.datasets.bvh import BvhFiles
 from studykit.io.datasets.dataset import Dataset
 from studykit.io.datasets.finedance import FineDance
+from studykit.io.datasets.markers import MarkerTables
+from studykit.io.datasets.positions import JointTables
 from studykit.io.datasets.smpl_npz import SmplNpz
 
 DATASETS: dict[str, Dataset] = {
@@ -18,8 +21,11 @@ DATASETS: dict[str, Dataset] = {
         AistPlusPlus(),
         AistPlusPlusKeypoints(),
         Amass(),
+        AsfAmcFiles(),
         BvhFiles(),
         FineDance(),
+        JointTables(),
+        MarkerTables(),
         SmplNpz(),
     )
 }

@@ -9,10 +9,12 @@ from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_file
 from studykit.io.datasets.dataset import Performance
 from studykit.io.datasets.known import DATASETS
+from studykit.io.datasets.positions import BODIES
 from studykit.io.datasets.recipe import FILE_NAME, Recipe, built_in_recipes
 from studykit.io.datasets.take import Take, TakeSource
+from studykit.io.marker_map import marker_map, marker_names
 from studykit.io.packed import PACKED
-from studykit.io.skeleton_map import SKELETON_MAPS
+from studykit.io.skeleton_map import skeleton_map, skeleton_names
 from studykit.io.toml_file import read_model
 from studykit.motion.motion import Motion
 from studykit.motion.plausibility import implausible
@@ -68,8 +70,20 @@ def _checked(recipe: Recipe, path: Path) -> Recipe:
     if recipe.format not in DATASETS:
         remedy = f"choose {' or '.join(DATASETS)}"
         raise InputError(f"format: there is no {recipe.format!r}", where=path, remedy=remedy)
-    if recipe.format == "bvh" and recipe.skeleton not in SKELETON_MAPS:
-        remedy = f"choose {' or '.join(SKELETON_MAPS)}"
+    known = {
+        "asf-amc": ("", *skeleton_names()),
+        "bvh": skeleton_names(),
+        "markers": marker_names(),
+        "positions": tuple(BODIES),
+    }.get(recipe.format)
+    if known is None:
+        return recipe
+    if recipe.skeleton.endswith(".toml") and recipe.format != "positions":  # lies beside the recipe
+        own = str(path.parent / recipe.skeleton)
+        (marker_map if recipe.format == "markers" else skeleton_map)(own)
+        return recipe.model_copy(update={"skeleton": own})
+    if recipe.skeleton not in known:
+        remedy = f"choose {', '.join(filter(None, known))}, or name a map file that ends in .toml"
         raise InputError(f"skeleton: there is no {recipe.skeleton!r}", where=path, remedy=remedy)
     return recipe
 
