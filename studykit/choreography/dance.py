@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from studykit.choreography.rjmcmc.run import TraceRow
 from studykit.core.provenance import sha256_of_value
 from studykit.motion import energy, kinematics
@@ -117,9 +115,7 @@ class Dance:
 
     def to_dict(self) -> dict[str, Any]:
         """Give all but the movement as plain values, ready for JSON."""
-        speeds = np.linalg.norm(
-            kinematics.angular_velocities(self.motion.rotations, self.motion.frame_rate_hz), axis=-1
-        )
+        speeds = kinematics.angular_speeds(self.motion.rotations, self.motion.frame_rate_hz)
         return {
             "version": VERSION,
             "condition": self.condition,

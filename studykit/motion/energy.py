@@ -6,7 +6,7 @@ import numpy as np
 
 from studykit.core.arrays import Floats
 from studykit.motion import body
-from studykit.motion.kinematics import angular_velocities, linear_velocities
+from studykit.motion.kinematics import angular_speeds, linear_velocities
 
 
 def linear_energy(positions: Floats, frame_rate_hz: float) -> Floats:
@@ -66,5 +66,5 @@ def rotational_energy(
 
 def rotational_energy_steps(rotations: Floats, frame_rate_hz: float) -> Floats:
     """Give the summands of `rotational_energy`: one row for each step, shape (frame - 1, 24)."""
-    squares = np.sum(angular_velocities(rotations, frame_rate_hz) ** 2, axis=-1)
+    squares = angular_speeds(rotations, frame_rate_hz) ** 2
     return np.asarray(body.segments().inertias * squares / (2.0 * rotations.shape[1]))

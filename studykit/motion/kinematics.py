@@ -113,6 +113,8 @@ def linear_velocities(positions: Floats, frame_rate_hz: float) -> Floats:
     return np.diff(positions, axis=0) * frame_rate_hz
 
 
-def angular_velocities(rotations: Floats, frame_rate_hz: float) -> Floats:
-    """Give how fast each joint turns relative to its parent (Eq. 10), shape (frame - 1, joint, 3), rad/s."""
-    return rotation.between(rotations[:-1], rotations[1:]) * frame_rate_hz
+def angular_speeds(rotations: Floats, frame_rate_hz: float) -> Floats:
+    """Give how fast each joint turns relative to its parent (Eq. 10), shape (frame - 1, joint), rad/s."""
+    step = rotation.multiply(rotation.inverse(rotations[:-1]), rotations[1:])
+    sine = np.sqrt(step[..., 1] ** 2 + step[..., 2] ** 2 + step[..., 3] ** 2)
+    return np.asarray(2.0 * frame_rate_hz * np.arctan2(sine, np.abs(step[..., 0])))

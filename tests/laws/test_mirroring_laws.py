@@ -97,7 +97,7 @@ def test_the_mirror_swaps_the_energies_of_the_sides(seed) -> None:
     assert joint_energies(mirrored(motion))[0] == masses_of_both_sides
     # The inertias are those of the neutral body, whose bones differ from side to side: compare speeds.
     spins = [
-        np.sum(kinematics.angular_velocities(one.rotations, 30.0) ** 2, axis=(0, -1))
+        np.sum(kinematics.angular_speeds(one.rotations, 30.0) ** 2, axis=0)
         for one in (mirrored(motion), motion)
     ]
     assert spins[0] == pytest.approx(spins[1][SWAP], rel=1e-9)

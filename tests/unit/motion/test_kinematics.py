@@ -33,8 +33,11 @@ def test_a_rod_spinning_evenly_has_one_speed_everywhere_in_time() -> None:
     angles = spin * np.arange(40) / rate
     rotations = rotation.identity(40, 3)
     rotations[:, 0] = rotation.yaw(angles)
-    turning = kinematics.angular_velocities(rotations, rate)
-    assert turning[:, 0] == pytest.approx(np.tile([0.0, spin, 0.0], (39, 1)), abs=1e-12)
+    turning = kinematics.angular_speeds(rotations, rate)
+    assert turning[:, 0] == pytest.approx(np.full(39, spin), abs=1e-12)
+    assert kinematics.angular_speeds(-rotations * np.where(np.arange(40) % 2, 1, -1)[:, None, None], rate)[
+        :, 0
+    ] == pytest.approx(np.full(39, spin), abs=1e-12)  # a quaternion and its negative are the same turn
     assert np.all(turning[:, 1:] == 0.0)
 
 
