@@ -81,8 +81,6 @@ def read_asf(path: Path) -> AsfSkeleton:
     unit_m = INCH_M / _numbers([units.get("length", "1")], 1, path, sections["units"][0][0])[0]
     root, position = _root(path, sections["root"])
     bones = {bone.name: bone for bone in (root, *_bones(path, sections["bonedata"]))}
-    if len(bones) > MOST_JOINTS:
-        raise InputError(f"more than {MOST_JOINTS} bones", where=path, remedy=_AGAIN)
     parents = _parents(path, sections["hierarchy"], bones)
     names = tuple(parents)
     scale = 1.0 if units.get("angle", "deg").lower().startswith("rad") else np.radians(1.0)
@@ -200,6 +198,9 @@ def _bones(path: Path, lines: list[Line]) -> Iterator[_Bone]:
                 problem = f"a second bone called {bone.name[:40]!r}" if bone.name else "a bone without a name"
                 raise InputError(problem, where=f"{path}, line {bone.line}", remedy=_AGAIN)
             seen.add(bone.name)
+            if len(seen) > MOST_JOINTS:
+                problem = f"more than {MOST_JOINTS} bones"
+                raise InputError(problem, where=f"{path}, line {bone.line}", remedy=_AGAIN)
             yield bone
             bone = None
         elif bone is not None:

@@ -45,7 +45,7 @@ def filled(
         for run in np.split(gone, np.flatnonzero(np.diff(gone) > 1) + 1):
             if len(run) > LONGEST_S * frame_rate_hz:
                 raise InputError(
-                    f"{names[point]} is lost in frames {run[0] + 1} to {run[-1] + 1}, more than {LONGEST_S} s",
+                    f"{names[point]} is lost in frames {run[0] + 1}-{run[-1] + 1}, more than {LONGEST_S} s",
                     where=path,
                     remedy="fill the gap in the recording program, or cut the take there",
                 )
