@@ -22,6 +22,8 @@ from studykit.io.restricted_pickle import read_pickle
 from studykit.motion.skeleton import AIST_BODY
 
 FRAME_RATE_HZ = 60.0
+SMALLEST_SCALING = 0.1
+"""Less would make a giant; files in metres have 1."""
 CITATION = (
     "AIST++ Dance Motion Dataset, R. Li, S. Yang, D. A. Ross, A. Kanazawa, 2021; "
     "derived from the AIST Dance Video Database."
@@ -75,6 +77,9 @@ class AistPlusPlus:
         places = numbers(part(values, "smpl_trans", path), "smpl_trans", path, shape=(None, 3))
         same_length(vectors, places, "smpl_poses and smpl_trans", path)
         scaling = rate_hz(part(values, "smpl_scaling", path), "smpl_scaling", path)
+        if scaling < SMALLEST_SCALING:
+            problem = f"smpl_scaling is {scaling:g}, where others have about 93"
+            raise InputError(problem, where=path, remedy="export the file again, or leave it out")
         motion = movement(vectors, places / scaling, rate=FRAME_RATE_HZ, skeleton=AIST_BODY)
         return [Performance(motion=motion, performer=performer_of(path), genre=genre_of(path))]
 
