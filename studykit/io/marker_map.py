@@ -22,6 +22,8 @@ NEEDED = (
 )
 PLACED = ("spine1", "spine3", "left_collar", "right_collar")
 """Joints that no marker tells; they are put between those that do."""
+_HEAD_OVER_NECK = np.array([0.0, 0.2, 0.03])
+# m; markers are round the skull, not at its joint.
 
 
 class MarkerMap(BaseModel):
@@ -88,13 +90,13 @@ def marker_map(name: str) -> MarkerMap:
 
 
 def joints_of(table: MarkerTable, chosen: MarkerMap, path: Path) -> tuple[Floats, Skeleton]:
-    """Give where SMPL's joints are and a body with joints at the same places, in the table's unit and axes.
+    """Give where SMPL's joints are, and the body of the dancer, in the table's unit.
 
     Returns
     -------
     tuple of ndarray, shape (frame, 24, 3), and Skeleton
-        The skeleton has SMPL's rest pose, its joints put where the map puts them; its bones have yet to be
-        measured.
+        The bones of the body are as long as they are seen in the median; between what is seen its joints lie
+        where they are put in every frame, so that at rest it stands like SMPL.
 
     Raises
     ------
@@ -109,12 +111,8 @@ def joints_of(table: MarkerTable, chosen: MarkerMap, path: Path) -> tuple[Floats
         joint: np.mean(table.positions[:, [table.names.index(one) for one in markers]], axis=1)
         for joint, markers in chosen.joints.items()
     }
-    rest = kinematics.centred_positions(NEUTRAL_BODY, rotation.identity(24))
-    at_rest = {name: rest[JOINT_NAMES.index(name)] for name in NEEDED}
-    for name in ("spine2", "left_hand", "right_hand"):
-        if name in chosen.joints:
-            at_rest[name] = rest[JOINT_NAMES.index(name)]
-    places = _completed(at_rest)
+    positions = _completed(seen)
+    places = _at_rest(dict(zip(JOINT_NAMES, np.moveaxis(positions, 1, 0), strict=True)))
     parents = np.maximum(np.array(NEUTRAL_BODY.parents), 0)
     body = Skeleton(
         joint_names=JOINT_NAMES,
@@ -122,7 +120,43 @@ def joints_of(table: MarkerTable, chosen: MarkerMap, path: Path) -> tuple[Floats
         offsets=places - places[parents],
         mirror=NEUTRAL_BODY.mirror,
     )
-    return _completed(seen), body
+    return positions, body
+
+
+_TREE = (
+    ("pelvis", "spine2"),
+    ("spine2", "neck"),
+    ("neck", "head"),
+    *(
+        (above if above in ("pelvis", "neck") else f"{side}_{above}", f"{side}_{joint}")
+        for side in ("left", "right")
+        for above, joint in (
+            ("pelvis", "hip"),
+            ("hip", "knee"),
+            ("knee", "ankle"),
+            ("ankle", "foot"),
+            ("neck", "shoulder"),
+            ("shoulder", "elbow"),
+            ("elbow", "wrist"),
+            ("wrist", "hand"),
+        )
+    ),
+)
+
+
+def _at_rest(seen: dict[str, Floats]) -> Floats:
+    """Put a body with the lengths that were seen into SMPL's rest pose, shape (24, 3)."""
+    rest = kinematics.centred_positions(NEUTRAL_BODY, rotation.identity(24))
+    like = dict(zip(JOINT_NAMES, rest, strict=True))
+    like["pelvis"] = (like["left_hip"] + like["right_hip"]) / 2.0
+    like["neck"] = (like["left_shoulder"] + like["right_shoulder"]) / 2.0
+    like["head"] = like["neck"] + _HEAD_OVER_NECK
+    at = {"pelvis": np.zeros(3)}
+    for above, joint in _TREE:
+        way = like[joint] - like[above]
+        length = np.median(np.linalg.norm(seen[joint] - seen[above], axis=-1))
+        at[joint] = at[above] + way / np.linalg.norm(way) * length
+    return _completed(at)
 
 
 def _completed(seen: dict[str, Floats]) -> Floats:

@@ -68,6 +68,9 @@ def read_marker_table(path: Path) -> MarkerTable:
     values = np.array([_row(path, number, line, 3 * len(names)) for number, line in rows])
     positions = values.reshape(len(rows), len(names), 3)
     positions[np.all(positions == 0.0, axis=-1)] = np.nan
+    blind = np.flatnonzero(np.all(np.isnan(positions).any(axis=-1), axis=1))
+    if len(blind):
+        raise InputError("no marker was seen", where=f"{path}, line {rows[blind[0]][0]}", remedy=_AGAIN)
     positions, gaps = filled(positions, names, rate, path)
     return MarkerTable(names=names, positions=positions, frame_rate_hz=rate, gaps=gaps)
 

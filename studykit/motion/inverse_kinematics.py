@@ -46,7 +46,7 @@ class Fit(NamedTuple):
     errors: Floats
 
 
-def fit(positions: Floats, skeleton: Skeleton, *, frame_rate_hz: float, rounds: int = 4) -> Fit:
+def fit(positions: Floats, skeleton: Skeleton, *, frame_rate_hz: float, rounds: int = 3) -> Fit:
     """Put a body where its joints were seen, with limbs twisted as their knees and elbows bend.
 
     Parameters

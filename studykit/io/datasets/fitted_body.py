@@ -10,7 +10,7 @@ import numpy as np
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.io.skeleton_map import LEG_LENGTHS_M
-from studykit.motion.inverse_kinematics import fit, measured_body
+from studykit.motion.inverse_kinematics import fit
 from studykit.motion.motion import Motion
 from studykit.motion.retargeting import leg_length
 from studykit.motion.skeleton import JOINT_NAMES, Skeleton
@@ -24,16 +24,16 @@ def upright(positions: Floats, up: Literal["Y", "Z"]) -> Floats:
 
 
 def fitted_motion(
-    positions: Floats, shape: Skeleton, *, rate_hz: float, path: Path, most_error_m: float
+    positions: Floats, body: Skeleton, *, rate_hz: float, path: Path, most_error_m: float
 ) -> Motion:
-    """Measure a body from where its joints were, and let it do what they did.
+    """Let a body do what its joints were seen to do.
 
     Parameters
     ----------
     positions : ndarray, shape (frame, 24, 3), m
         Without gaps, Y up.
-    shape : Skeleton
-        Its rest pose; the lengths of its bones are measured.
+    body : Skeleton
+        With bones as long as those of the dancer.
     most_error_m : float
         The largest mean distance between the joints of the body and where they were.
 
@@ -42,7 +42,6 @@ def fitted_motion(
     InputError
         If the body is nobody's, or does not fit.
     """
-    body = measured_body(positions, shape)
     length = leg_length(body)
     if not LEG_LENGTHS_M[0] <= length <= LEG_LENGTHS_M[1]:
         raise InputError(

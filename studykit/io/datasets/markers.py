@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from studykit.io.datasets.dataset import Performance
@@ -11,8 +12,8 @@ from studykit.io.marker_map import joints_of, marker_map
 from studykit.io.marker_table import read_marker_table
 from studykit.io.packed import files_ending
 
-MOST_ERROR_M = 0.05
-"""Skin moves on bone and joints lie within: a body fits markers to some centimetres at best."""
+MOST_ERROR_M = 0.03
+"""Skin moves on bone and joints lie within: a body fits markers to some millimetres at best."""
 
 
 class MarkerTables:
@@ -44,6 +45,7 @@ class MarkerTables:
         table = read_marker_table(path)
         joints, body = joints_of(table, chosen, path)
         positions = upright(joints * recipe.units_m, recipe.up)
+        body = replace(body, offsets=body.offsets * recipe.units_m)
         motion = fitted_motion(
             positions, body, rate_hz=table.frame_rate_hz, path=path, most_error_m=MOST_ERROR_M
         )

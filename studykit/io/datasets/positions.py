@@ -16,8 +16,8 @@ from studykit.io.datasets.aistpp import genre_of, performer_of
 from studykit.io.datasets.dataset import Performance
 from studykit.io.datasets.fitted_body import fitted_motion, upright
 from studykit.io.datasets.recipe import Recipe
-from studykit.io.gaps import filled
 from studykit.io.packed import files_ending, read_text
+from studykit.motion.inverse_kinematics import measured_body
 from studykit.motion.skeleton import AIST_BODY, JOINT_NAMES, NEUTRAL_BODY, Skeleton
 
 FRAME_RATE_HZ = 30.0
@@ -63,14 +63,9 @@ class JointTables:
             remedy = f"choose {' or '.join(name for name in BODIES if name)}"
             raise InputError(f"no body called {recipe.skeleton!r}", where="skeleton", remedy=remedy)
         rate = recipe.frame_rate(path.name) or FRAME_RATE_HZ
-        positions, _ = filled(_table(path), JOINT_NAMES, rate, path)
-        motion = fitted_motion(
-            upright(positions * recipe.units_m, recipe.up),
-            BODIES[recipe.skeleton],
-            rate_hz=rate,
-            path=path,
-            most_error_m=MOST_ERROR_M,
-        )
+        positions = upright(_table(path) * recipe.units_m, recipe.up)
+        body = measured_body(positions, BODIES[recipe.skeleton])
+        motion = fitted_motion(positions, body, rate_hz=rate, path=path, most_error_m=MOST_ERROR_M)
         sequence = _SEQUENCE.search(path.name)
         if sequence is None:
             return [Performance(motion=motion)]
@@ -79,7 +74,7 @@ class JointTables:
 
 
 def _table(path: Path) -> Floats:
-    """Read the rows, shape (frame, 24, 3), in the file's unit and axes; NaN where a joint is lost."""
+    """Read the rows, shape (frame, 24, 3), in the file's unit and axes."""
     rows = [
         (number, line) for number, line in enumerate(read_text(path).splitlines(), start=1) if line.strip()
     ]
@@ -93,7 +88,7 @@ def _table(path: Path) -> Floats:
     if (
         values.size != len(rows) * _COLUMNS
         or any(line.count(",") != _COLUMNS - 1 for _, line in rows)
-        or np.any(np.abs(values) > LARGEST)
+        or not np.all(np.abs(values) <= LARGEST)
     ):
         for number, line in rows:
             _check(path, number, line)
@@ -105,6 +100,6 @@ def _check(path: Path, number: int, line: str) -> None:
         values = [float(cell) for cell in line.split(",")]
     except ValueError:
         values = []
-    if len(values) != _COLUMNS or any(abs(value) > LARGEST for value in values):
-        problem = f"not {_COLUMNS} numbers between commas"
+    if len(values) != _COLUMNS or not all(abs(value) <= LARGEST for value in values):
+        problem = f"not {_COLUMNS} finite numbers between commas"
         raise InputError(problem, where=f"{path}, line {number}", remedy=_AGAIN)
