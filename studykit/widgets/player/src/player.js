@@ -21,14 +21,16 @@ function floats(view) {
   return numbers;
 }
 
-/** The middle of the floor that a motion covers, and how far it goes from there, m. */
-function extentOf(positions, stride) {
+/** The middle of the floor that motions cover, and how far they go from there, m. */
+function extentOf(motions, stride) {
   let [left, right, back, front] = [Infinity, -Infinity, Infinity, -Infinity];
-  for (let k = 0; k < positions.length; k += stride) {
-    left = Math.min(left, positions[k]);
-    right = Math.max(right, positions[k]);
-    back = Math.min(back, positions[k + 2]);
-    front = Math.max(front, positions[k + 2]);
+  for (const positions of motions) {
+    for (let k = 0; k < positions.length; k += stride) {
+      left = Math.min(left, positions[k]);
+      right = Math.max(right, positions[k]);
+      back = Math.min(back, positions[k + 2]);
+      front = Math.max(front, positions[k + 2]);
+    }
   }
   if (left > right) return { x: 0, z: 0, reach: 1 };
   return { x: (left + right) / 2, z: (back + front) / 2, reach: Math.max(right - left, front - back) / 2 + 0.6 };
@@ -152,7 +154,7 @@ export class Player {
     this.marks = model.get("marks");
     const values = model.get("joint_values");
     if (isNew) {
-      this.extent = extentOf(this.positions, this.stride);
+      this.extent = extentOf([this.positions, this.ghost], this.stride);
       clock.time = 0;
       this.stage.isFollowing = this.extent.reach > 3;
     }

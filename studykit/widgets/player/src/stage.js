@@ -126,7 +126,7 @@ export class Stage {
   /** See all of the motion from the front. */
   resetView() {
     if (!this.canDraw) return;
-    const distance = Math.min(2.9 + 1.2 * (this.isFollowing ? 0.5 : this.reach), 14);
+    const distance = Math.min(2.2 + 1.1 * (this.isFollowing ? 0.6 : this.reach), 14);
     this.controls.target.copy(this.centre);
     this.camera.position.set(this.centre.x, 0.9 + 0.22 * distance, this.centre.z + distance);
     this.controls.update();
@@ -151,7 +151,8 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.draw();
+    this.dress(); // now in the page, the stage knows the page's colours
+
   }
 
   /** Draw once, when the browser next draws. */
