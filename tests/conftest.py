@@ -95,6 +95,8 @@ def made_library() -> Callable[..., DanceLibrary]:
                     "licence": "CC0-1.0",
                     "start_s": [4.0 * (n % 2) for n in range(segments)],
                     "is_synthetic": True,
+                    "mirrored": False,
+                    "partners": "",
                 }
             ),
             rotations=rotation.exp(turns),
@@ -113,6 +115,9 @@ def made_library() -> Callable[..., DanceLibrary]:
                 chain_varieties=rng.normal(140.0, 8.0, size=200),
                 chain_cosine_varieties=rng.normal(0.9, 0.05, size=200),
                 join_displacements=rng.gamma(20.0, 0.01, size=700),
+                window_linear_energies=[],
+                window_rotational_energies=[],
+                window_varieties=[],
                 median_distance=150.0,
             ),
             sha256="0" * 64,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
@@ -40,8 +40,13 @@ class Calibration:
         Eq. 5 of the same chains (`cosine`).
     join_displacements : array_like, shape (join,), m
         Eq. 3 of random joins.
+    window_linear_energies, window_rotational_energies, window_varieties : array_like, shape (window,)
+        The same of windows of 32 s that were danced in one go; none where takes are shorter.
     median_distance : float
         Median distance between segments of different takes: the unit of variety targets.
+    rated : mapping or None
+        What raters call light, intense, easy and hard: `linear_energy`, `rotational_energy` and `variety`,
+        each by level. Where it is there, it takes the place of percentiles and shares.
     """
 
     chain_linear_energies: Floats
@@ -49,7 +54,11 @@ class Calibration:
     chain_varieties: Floats
     chain_cosine_varieties: Floats
     join_displacements: Floats
+    window_linear_energies: Floats
+    window_rotational_energies: Floats
+    window_varieties: Floats
     median_distance: float
+    rated: Mapping[str, Mapping[str, float]] | None = None
 
     def __post_init__(self) -> None:
         for name in self.array_names():
@@ -64,6 +73,9 @@ class Calibration:
             "chain_varieties",
             "chain_cosine_varieties",
             "join_displacements",
+            "window_linear_energies",
+            "window_rotational_energies",
+            "window_varieties",
         )
 
     def energy_targets(self, percentile: float) -> tuple[float, float]:
@@ -72,6 +84,16 @@ class Calibration:
             float(np.percentile(self.chain_linear_energies, percentile)),
             float(np.percentile(self.chain_rotational_energies, percentile)),
         )
+
+    def energies_of(self, level: str, percentile: float) -> tuple[float, float]:
+        """Give what "light" or "intense" means here: the raters' word, or else a percentile; J per kg."""
+        if self.rated is not None:
+            return self.rated["linear_energy"][level], self.rated["rotational_energy"][level]
+        return self.energy_targets(percentile)
+
+    def variety_of(self, level: str, share: float) -> float:
+        """Give what "easy" or "hard" means here: the raters' word, or else a share of the median distance."""
+        return self.rated["variety"][level] if self.rated is not None else share * self.median_distance
 
     @property
     def transition_tolerance_m(self) -> float:

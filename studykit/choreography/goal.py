@@ -199,7 +199,7 @@ def _energies(
         spreads = (_PAPER_SPREADS[0] / DEFAULT_BODY_MASS_KG, _PAPER_SPREADS[1] / DEFAULT_BODY_MASS_KG)
         return linear, rotational, spreads
     percentile: float = getattr(plan.intensity, level)
-    linear, rotational = library.calibration.energy_targets(percentile)
+    linear, rotational = library.calibration.energies_of(level, percentile)
     # Chains are 32 s long; a dance of another length asks for as much in each second.
     scale = plan.duration_s / (CHAIN_SEGMENTS * SEGMENT_S)
     return linear * scale, rotational * scale, (plan.intensity.tolerance, plan.intensity.tolerance)
@@ -209,7 +209,7 @@ def _variety(plan: DancePlan, level: Variety, library: DanceLibrary) -> float:
     if PRESETS[plan.preset].variety == "cosine":
         return _PAPER_VARIETIES[level]
     share: float = getattr(plan.variety, level)
-    return share * library.calibration.median_distance
+    return library.calibration.variety_of(level, share)
 
 
 def _novelty(plan: DancePlan, level: Variety, library: DanceLibrary) -> float | None:

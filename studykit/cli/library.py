@@ -219,22 +219,104 @@ def info(
     _print_info(library)
 
 
-def _facts(library: Path) -> dict[str, Any]:
-    from studykit.library.store import open_library, read_manifest
+@app.command()
+def calibrate(
+    library: Annotated[Path, typer.Argument(help="A dance library.")],
+    *,
+    ratings: Annotated[
+        Path | None, typer.Option(help="Answers of raters, as the rating widget saved them.")
+    ] = None,
+    percentiles: Annotated[
+        bool, typer.Option("--percentiles", help="Take the raters' targets back.")
+    ] = False,
+    json: AsJson = False,
+) -> None:
+    """Say what light, intense, easy and hard mean in a library, beside the paper's constants.
 
-    calibration = open_library(library).calibration
-    light, intense = calibration.energy_targets(25.0), calibration.energy_targets(75.0)
-    return read_manifest(library) | {
-        "linear_energy_25_75": [light[0], intense[0]],
-        "rotational_energy_25_75": [light[1], intense[1]],
+    A library is calibrated when it is built: on 1,000 random chains of 32 s of one genre. Raters may say it
+    instead; see the notebook 03_build_library for the rating widget.
+    """
+    from studykit.library import index
+    from studykit.library.rating import RatingSheet, plan_of_sheet, rated_targets
+    from studykit.library.store import open_library
+
+    if ratings is not None and percentiles:
+        raise InputError("raters or percentiles", where="--percentiles", remedy="say one of them")
+    if ratings is not None:
+        plan = plan_of_sheet(ratings)
+        index.adopt(library, rated_targets(RatingSheet(ratings, plan).ratings(), plan, open_library(library)))
+    elif percentiles:
+        index.adopt(library, None)
+    if json:
+        show.as_json(_facts(library))
+    else:
+        _print_calibration(library)
+
+
+def _print_calibration(library: Path) -> None:
+    import numpy as np
+
+    from studykit.core.seeding import stream
+    from studykit.library.calibrate import unit_readings
+    from studykit.library.store import open_library
+    from studykit.motion.body import DEFAULT_BODY_MASS_KG
+
+    opened = open_library(library)
+    calibration = opened.calibration
+    chains, windows = len(calibration.chain_linear_energies), len(calibration.window_linear_energies)
+    show.say(f"{opened.name}: {chains} random chains of eight segments (32 s) of one genre;")
+    show.say(f"  windows of 32 s danced in one go: {windows or 'none, since takes are shorter'}")
+    show.table(
+        [
+            {"in 32 s": f"{what.replace('_', ' ')} of {kind}s"}
+            | {
+                f"{share} %": f"{np.percentile(values, share) * unit:.1f}"
+                for share in (5, 25, 50, 75, 95)
+                for values in [getattr(calibration, f"{kind}_{what}")]
+            }
+            for kind in ("chain", "window")[: 2 if windows else 1]
+            for what, unit in (
+                ("linear_energies", DEFAULT_BODY_MASS_KG),
+                ("rotational_energies", DEFAULT_BODY_MASS_KG),
+                ("varieties", 1.0),
+            )
+        ]
+    )
+    _print_targets(_facts(library))
+    show.say("  mean energies of 32 s under each reading of the paper's unit:")
+    table = unit_readings(opened, stream(0, "unit readings"))
+    show.table(
+        [
+            {"reading": words, "linear": f"{linear:.3g}", "rotational": f"{rotational:.3g}"}
+            for words, linear, rotational in table.itertuples(index=False)
+        ]
+    )
+
+
+def _facts(library: Path) -> dict[str, Any]:
+    from studykit.library.store import RATED, index_folder, open_library, read_manifest, read_rated
+
+    calibration, manifest = open_library(library).calibration, read_manifest(library)
+    rated = read_rated(index_folder(library)) if RATED in manifest["files"] else None
+    light, intense = calibration.energies_of("light", 25.0), calibration.energies_of("intense", 75.0)
+    return manifest | {
+        "targets": {
+            "from": "raters" if rated else "percentiles",
+            "linear_energy": {"light": light[0], "intense": intense[0]},
+            "rotational_energy": {"light": light[1], "intense": intense[1]},
+            "variety": {
+                level: calibration.variety_of(level, share)
+                for level, share in (("easy", 0.55), ("hard", 0.94))
+            },
+            "agreement": rated.as_dict()["agreement"] if rated else None,
+        },
+        "windows": len(calibration.window_linear_energies),
         "median_distance": calibration.median_distance,
         "transition_tolerance_m": calibration.transition_tolerance_m,
     }
 
 
 def _print_info(library: Path) -> None:
-    from studykit.motion.body import DEFAULT_BODY_MASS_KG
-
     facts = _facts(library)
     kept, paper, left = facts["segments"], facts["segments_paper"], facts["takes_refused"]
     show.say(f"{facts['name']}: {kept} segments ({facts['hours'] * 60:.1f} min) of {facts['takes']} takes")
@@ -247,11 +329,31 @@ def _print_info(library: Path) -> None:
     )
     for kind in ("genres", "performers", "licences"):
         show.say(f"  {kind}: " + ", ".join(f"{name} ({count})" for name, count in facts[kind].items()))
-    show.say(f"  targets of 32 s, for {DEFAULT_BODY_MASS_KG} kg, linear and rotational energy:")
-    for level, (name, printed) in enumerate((("light", "56.5 and 31.8"), ("intense", "147.2 and 106.5"))):
-        linear, rotational = (facts[f"{kind}_energy_25_75"][level] for kind in ("linear", "rotational"))
-        in_paper_unit = f"{linear * DEFAULT_BODY_MASS_KG:.1f} and {rotational * DEFAULT_BODY_MASS_KG:.1f}"
-        show.say(f"    {name}: {in_paper_unit} (the paper: {printed})")
+    _print_targets(facts)
+
+
+def _print_targets(facts: dict[str, Any]) -> None:
+    from studykit.motion.body import DEFAULT_BODY_MASS_KG
+
+    targets = facts["targets"]
+    show.say(
+        f"  targets of 32 s, for {DEFAULT_BODY_MASS_KG} kg, linear and rotational energy"
+        f" ({'as raters say' if targets['agreement'] else 'percentiles 25 and 75 of chains'}):"
+    )
+    for name, printed in (("light", "56.5 and 31.8"), ("intense", "147.2 and 106.5")):
+        linear, rotational = (
+            targets[f"{kind}_energy"][name] * DEFAULT_BODY_MASS_KG for kind in ("linear", "rotational")
+        )
+        show.say(f"    {name}: {linear:.1f} and {rotational:.1f} (the paper: {printed})")
+    for name, printed in (("easy", "67.4"), ("hard", "143.1")):
+        variety = targets["variety"][name]
+        show.say(
+            f"    {name}: variety {variety:.1f}, {variety / facts['median_distance']:.2f} of the distance"
+            f" between unrelated segments (the paper: {printed})"
+        )
+    for scale, told in (targets["agreement"] or {}).items():
+        low, high = told["interval"]
+        show.say(f"    raters agree on {scale}: alpha {told['alpha']:.2f} [{low:.2f}, {high:.2f}]")
 
 
 def _print_takes(library: Path, *, most: int | None = 60) -> None:

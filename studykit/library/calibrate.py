@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,18 +16,27 @@ from studykit.choreography.dance_library import (
     SegmentDistances,
     mean_of_pairs,
 )
-from studykit.core.arrays import Floats
+from studykit.core.arrays import Floats, Integers
 from studykit.core.errors import InputError
+from studykit.motion import kinematics
+from studykit.motion.body import DEFAULT_BODY_MASS_KG
+from studykit.motion.energy import linear_energy
 from studykit.motion.features import KINETIC, FeatureScaler
+from studykit.motion.segmentation import FRAME_RATE_HZ, SEGMENT_FRAMES
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 CHAINS = 1000
 """Windows measured, as in the paper; chains of segments of one genre, since few takes last 32 s."""
 
 _CHUNK = 256
+_UNIT_SEGMENTS = 400
 _MEDIAN_POSES = 250_000
 
 
-UNCALIBRATED = Calibration(**{name: np.zeros(0) for name in Calibration.array_names()}, median_distance=1.0)
+_NOTHING: dict[str, Any] = {name: np.zeros(0) for name in Calibration.array_names()}
+UNCALIBRATED = Calibration(**_NOTHING, median_distance=1.0)
 """Stands in for the calibration of a library that is being built."""
 
 
@@ -90,25 +99,49 @@ def calibrate(library: DanceLibrary, rng: np.random.Generator) -> Calibration:
         )
     chains = _random_chains(library, rng)
     euclidean, cosine = (SegmentDistances(library, metric) for metric in ("euclidean_z", "cosine"))
-    linear, rotational = (
-        np.asarray(energies).sum(axis=1)[chains].sum(axis=1)
-        for energies in (library.linear_energies, library.rotational_energies)
-    )
+    windows = _windows(library, rng)
     return Calibration(
-        chain_linear_energies=linear,
-        chain_rotational_energies=rotational,
-        chain_varieties=np.array([mean_of_pairs(euclidean.between(chain, chain)) for chain in chains]),
-        chain_cosine_varieties=np.array([mean_of_pairs(cosine.between(chain, chain)) for chain in chains]),
+        chain_linear_energies=_sums(library.linear_energies, chains),
+        chain_rotational_energies=_sums(library.rotational_energies, chains),
+        chain_varieties=_varieties(chains, euclidean),
+        chain_cosine_varieties=_varieties(chains, cosine),
         join_displacements=np.array(
             [library.displacement(a, b) for chain in chains for a, b in pairwise(chain)]
         ),
         median_distance=_median_distance(library, euclidean, rng),
+        window_linear_energies=_sums(library.linear_energies, windows),
+        window_rotational_energies=_sums(library.rotational_energies, windows),
+        window_varieties=_varieties(windows, euclidean),
     )
 
 
-def _random_chains(
-    library: DanceLibrary, rng: np.random.Generator
-) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+def _sums(energies: Floats, chains: Integers) -> Floats:
+    return np.asarray(np.asarray(energies).sum(axis=1)[chains].sum(axis=1))
+
+
+def _varieties(chains: Integers, distances: SegmentDistances) -> Floats:
+    return np.array([mean_of_pairs(distances.between(chain, chain)) for chain in chains])
+
+
+def _windows(library: DanceLibrary, rng: np.random.Generator) -> Integers:
+    """Eight segments that follow each other in one take, shape (window, 8); at most 1,000 of them."""
+    table = library.segments
+    plain = table[~table["mirrored"].to_numpy(dtype=np.bool_)]
+    found = []
+    for _, own in plain.groupby("take", sort=False):
+        frames = np.round(own["start_s"].to_numpy() * FRAME_RATE_HZ).astype(np.int64)
+        row_at = dict(zip(frames.tolist(), own.index.tolist(), strict=True))
+        for start in row_at:
+            followers = [row_at.get(start + step * SEGMENT_FRAMES, -1) for step in range(CHAIN_SEGMENTS)]
+            if -1 not in followers:
+                found.append(followers)
+    windows = np.array(found, dtype=np.int64).reshape(-1, CHAIN_SEGMENTS)
+    if len(windows) > CHAINS:
+        windows = windows[np.sort(rng.choice(len(windows), size=CHAINS, replace=False))]
+    return windows
+
+
+def _random_chains(library: DanceLibrary, rng: np.random.Generator) -> Integers:
     """Segments of one genre in random order, shape (chain, 8); genres by their number of segments."""
     genres = library.segments["genre"].to_numpy()
     rows = {genre: np.flatnonzero(genres == genre) for genre in sorted(set(genres))}
@@ -127,3 +160,52 @@ def _median_distance(library: DanceLibrary, distances: SegmentDistances, rng: np
     pairs = pairs[takes[pairs[:, 0]] != takes[pairs[:, 1]]][: 2 * CHAINS]
     values: Floats = np.array([distances.between([a], [b])[0, 0] for a, b in pairs])
     return float(np.median(values))
+
+
+def unit_readings(library: DanceLibrary, rng: np.random.Generator) -> pd.DataFrame:
+    """Measure the mean energies of 32 s under every reading of the paper's unit.
+
+    The paper's energies do not say whether masses are shares or kilograms, whether joints are seen from the
+    pelvis or in the room, and whether positions were standardised first; only one reading comes near both.
+
+    Parameters
+    ----------
+    library : DanceLibrary
+        At most 400 of its segments are measured.
+    rng : Generator
+        Draws them.
+
+    Returns
+    -------
+    DataFrame
+        `reading, linear_energy, rotational_energy`.
+    """
+    import pandas as pd
+
+    count = min(len(library), _UNIT_SEGMENTS)
+    rows = np.sort(rng.choice(len(library), size=count, replace=False))
+    motions = [library.motion(int(row)) for row in rows]
+    centred = np.array([kinematics.centred_positions(one.skeleton, one.rotations) for one in motions])
+    spread = np.maximum(centred.std(axis=(0, 1)), 1e-9)
+    roots = np.array([one.root_positions for one in motions])[:, :, None]
+    positions = {
+        "from the pelvis": centred,
+        "in the room": centred + roots,
+        "from the pelvis, standardised": np.where(spread > 1e-6, centred / spread, 0.0),
+    }
+    turning = float(library.rotational_energies[rows].sum() / count) * CHAIN_SEGMENTS
+    table = [
+        {
+            "reading": f"joints {place}, {unit}",
+            "linear_energy": scale
+            * CHAIN_SEGMENTS
+            * float(np.mean([linear_energy(one, FRAME_RATE_HZ).sum() for one in where])),
+            "rotational_energy": scale * turning,
+        }
+        for place, where in positions.items()
+        for unit, scale in (
+            (f"mass in kg ({DEFAULT_BODY_MASS_KG:g})", DEFAULT_BODY_MASS_KG),
+            ("mass as a share", 1.0),
+        )
+    ]
+    return pd.DataFrame(table)

@@ -19,6 +19,7 @@ from studykit.library import shard, store
 from studykit.library.calibrate import UNCALIBRATED, calibrate, fit_scaler
 from studykit.library.measure import SMALL, Settings
 from studykit.library.origin import Origin
+from studykit.library.rating.targets import RatedTargets
 from studykit.library.shard import SegmentRows
 from studykit.motion.segmentation import SEGMENT_S
 
@@ -222,6 +223,30 @@ def put_manifest(library: Path, manifest: dict[str, Any]) -> None:
         file.flush()
         os.fsync(file.fileno())
     partial.replace(path)
+
+
+def adopt(library: Path, rated: RatedTargets | None) -> None:
+    """Let the raters' targets hold in a library, or its percentiles again.
+
+    Parameters
+    ----------
+    library : Path
+        The folder of the library.
+    rated : RatedTargets or None
+        What the raters said; None takes it back.
+    """
+    manifest = store.read_manifest(library)
+    folder = library / manifest["index"]
+    files = {name: digest for name, digest in manifest["files"].items() if name != store.RATED}
+    if rated is not None:
+        path = folder / store.RATED
+        path.write_text(json.dumps(rated.as_dict(), indent=1) + "\n", encoding="utf-8")
+        _put_on_disk(path)
+        files[store.RATED] = sha256_of_file(path)
+    # The manifest says whether the file counts, and is replaced at one stroke.
+    put_manifest(library, manifest | {"files": files, "sha256": sha256_of_value(files)})
+    if rated is None:
+        (folder / store.RATED).unlink(missing_ok=True)
 
 
 def _clean(library: Path, index: str, keys: set[str]) -> None:

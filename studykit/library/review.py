@@ -77,7 +77,7 @@ def _rows(path: Path) -> list[dict[str, str]]:
     return rows
 
 
-def decide(
+def decide(  # noqa: PLR0913 - the words of one decision
     library: Path,
     *,
     take: str,

@@ -1,7 +1,7 @@
 """What one file of takes became, kept under the digest of all that it depends on.
 
-A library is an index over shards. Since a shard is named by its content's causes, a build makes only those that
-are not there yet: a new take rewrites nothing, and an interrupted build goes on where it was.
+A library is an index over shards. Since a shard is named by what it was made from, a build makes only those
+that are not there yet: a new take rewrites nothing, and an interrupted build goes on where it was.
 """
 
 from __future__ import annotations

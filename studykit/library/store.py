@@ -11,6 +11,7 @@ import json
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -23,6 +24,7 @@ from studykit.core.provenance import sha256_of_file
 from studykit.library import shard
 from studykit.library.measure import LARGE, SMALL
 from studykit.library.origin import Origin
+from studykit.library.rating.targets import RatedTargets
 from studykit.library.shard import SegmentRows
 from studykit.motion.features import FeatureScaler
 
@@ -32,6 +34,7 @@ SEGMENTS = "segments.parquet"
 TAKES = "takes.csv"
 SHARDS = "shards.json"
 CALIBRATION = "calibration.npz"
+RATED = "rated-targets.json"
 
 _SCALER = ("kinetic_medians", "means", "deviations")
 _AGAIN = "build it again"
@@ -138,6 +141,11 @@ def read_calibration(path: Path) -> tuple[FeatureScaler, Calibration]:
     return scaler, calibration
 
 
+def read_rated(index: Path) -> RatedTargets:
+    """Read the raters' targets of an index."""
+    return RatedTargets.from_dict(json.loads((index / RATED).read_text(encoding="utf-8")))
+
+
 def load(
     library: Path, folder: Path, *, name: str, scaler: FeatureScaler, calibration: Calibration, sha256: str
 ) -> DanceLibrary:
@@ -179,6 +187,10 @@ def open_library(path: str | Path) -> DanceLibrary:
     try:
         folder = library / manifest["index"]
         scaler, calibration = read_calibration(folder / CALIBRATION)
+        if RATED in manifest["files"]:
+            rated = read_rated(folder)
+            means = {name: getattr(rated, name) for name in ("linear_energy", "rotational_energy", "variety")}
+            calibration = replace(calibration, rated=means)
         return load(
             library,
             folder,

@@ -222,6 +222,34 @@ class RatingSheet:
         content.answers[key] = (intensity, variety)
 
 
+def plan_of_sheet(path: str | Path) -> pd.DataFrame:
+    """Give the part of a plan that a sheet of answers tells of: enough to turn the answers into targets.
+
+    Parameters
+    ----------
+    path : str or Path
+        What a `RatingSheet` wrote.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is no sheet.
+    """
+    import pandas as pd
+
+    remedy = "give the file that the rating widget saved"
+    try:
+        table = pd.read_csv(path, usecols=["rater", "window", "segments"], dtype={"rater": str}).dropna()
+        table = table.drop_duplicates(["rater", "window"], ignore_index=True)
+        segments = [tuple(int(number) for number in str(words).split()) for words in table["segments"]]
+    except (OSError, ValueError) as error:
+        raise InputError("this is no rating sheet", where=path, remedy=remedy) from error
+    if table.empty:
+        raise InputError("nothing is rated yet", where=path, remedy=remedy)
+    order = table.groupby("rater").cumcount() + 1
+    return table.assign(window=table["window"].astype(int), segments=pd.Series(segments), order=order)
+
+
 def _check_answer(scale: str, answer: str, where: str | Path) -> None:
     if answer not in SCALES[scale]:
         raise InputError(

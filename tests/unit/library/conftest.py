@@ -44,6 +44,7 @@ def a_take(seed: int, *, frames: int, rate: float) -> Motion:
     turns = rng.normal(scale=0.3, size=(1, 24, 3)) + rng.normal(scale=0.25, size=(1, 24, 3)) * np.sin(
         rng.uniform(1.0, 4.0, size=(1, 24, 3)) * times
     )
+    turns[:, [0, 3, 6, 9]] *= 0.2  # upright
     turns[:, [4, 5]] = np.abs(turns[:, [4, 5]]) * np.array([1.0, 0.0, 0.0])  # knees bend one way only
     return Motion(
         skeleton=NEUTRAL_BODY,
