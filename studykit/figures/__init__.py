@@ -1,6 +1,12 @@
 """Tables and arrays in, matplotlib figures out."""
 
 from studykit.figures.goals import asked_and_achieved as asked_and_achieved
+from studykit.figures.joints import joint_intensity as joint_intensity
+from studykit.figures.library import energy_distribution as energy_distribution
+from studykit.figures.library import target_space as target_space
+from studykit.figures.library import variety_distribution as variety_distribution
+from studykit.figures.noise import cleaning as cleaning
+from studykit.figures.noise import yield_by_take as yield_by_take
 from studykit.figures.outcomes import heart_rate_by_condition as heart_rate_by_condition
 from studykit.figures.outcomes import movement_by_condition as movement_by_condition
 from studykit.figures.outcomes import smoothness_by_condition as smoothness_by_condition
