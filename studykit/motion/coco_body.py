@@ -65,7 +65,8 @@ def body_from_coco(points: Floats, *, frame_rate_hz: float) -> Motion:
     seen = {name: points[:, number] for number, name in enumerate(COCO_JOINTS)}
     body = _of_size(seen)
     rest = dict(zip(body.joint_names, kinematics.centred_positions(body, rotation.identity(24)), strict=True))
-    pelvis_turn, chest_turn = _turn(seen, rest, "hip"), _turn(seen, rest, "shoulder")
+    pelvis_turn = _turn(seen, rest, "hip", rotation.identity(len(points)))
+    chest_turn = _turn(seen, rest, "shoulder", pelvis_turn)
     places = _trunk(seen, rest, pelvis_turn, chest_turn)
     head_turn = _head_turn(seen, chest_turn)
     half = rotation.slerp(chest_turn, head_turn, np.array(0.5))
@@ -112,20 +113,31 @@ def _axes(left: Floats, up: Floats) -> Floats:
     return np.stack((first, second, np.cross(first, second)), axis=-1)
 
 
+def _turned(left: Floats, up: Floats, else_turned: Floats) -> Floats:
+    """Give the turns that carry X to `left` and Y near `up`; another where the two lie on one line."""
+    across = np.linalg.norm(np.cross(left, up), axis=-1)
+    tells = across > 1e-9 + 0.01 * np.linalg.norm(left, axis=-1) * np.linalg.norm(up, axis=-1)
+    known = tells[:, None]
+    axes = _axes(np.where(known, left, [1.0, 0.0, 0.0]), np.where(known, up, [0.0, 1.0, 0.0]))
+    return np.where(known, rotation.from_matrix(axes), else_turned)
+
+
 def _unit(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12))
 
 
-def _turn(seen: dict[str, Floats], rest: dict[str, Floats], joint: str) -> Floats:
+def _turn(seen: dict[str, Floats], rest: dict[str, Floats], joint: str, else_turned: Floats) -> Floats:
     """Give how the line between two joints and the length of the trunk are turned from rest."""
     now, then = (
-        _axes(
+        (
             places[f"left_{joint}"] - places[f"right_{joint}"],
             _middle(places, "shoulder") - _middle(places, "hip"),
         )
         for places in (seen, rest)
     )
-    return rotation.from_matrix(now @ then.T)
+    at_rest = rotation.from_matrix(_axes(*then))
+    turned = _turned(*now, rotation.multiply(else_turned, at_rest))
+    return rotation.multiply(turned, rotation.inverse(at_rest))
 
 
 def _trunk(
@@ -158,12 +170,4 @@ def _head_turn(seen: dict[str, Floats], chest_turn: Floats) -> Floats:
     left = seen["left_ear"] - seen["right_ear"]
     face = (seen["nose"] + seen["left_eye"] + seen["right_eye"]) / 3.0
     front = face - _middle(seen, "ear")
-    up = np.cross(front, left)
-    known = _tells(left, up)[:, None]
-    safe_left, safe_up = np.where(known, left, [1.0, 0.0, 0.0]), np.where(known, up, [0.0, 1.0, 0.0])
-    return np.where(known, rotation.from_matrix(_axes(safe_left, safe_up)), chest_turn)
-
-
-def _tells(left: Floats, up: Floats) -> Floats:
-    """Tell in which frames ears and face are not on one line."""
-    return np.asarray(np.linalg.norm(up, axis=-1) > 1e-8 + 0.01 * np.sum(left * left, axis=-1))
+    return _turned(left, np.cross(front, left), chest_turn)

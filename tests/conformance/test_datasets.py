@@ -11,6 +11,7 @@ and `RECOGNISED` (False: only a recipe can tell the format).
 from __future__ import annotations
 
 import ast
+import contextlib
 import importlib.util
 from pathlib import Path
 from types import ModuleType
@@ -251,6 +252,20 @@ def test_a_frame_without_numbers_is_named(case, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         dataset.read(path, recipe(module))
     assert str(path) in str(caught.value)
+
+
+def test_changed_bytes_give_a_dance_or_an_input_error(case) -> None:
+    path = case[3]
+    data = path.read_bytes()
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        changed = bytearray(data)
+        # Headers are where it hurts; they are at either end.
+        place = int(rng.choice([rng.integers(min(len(data), 400)), rng.integers(len(data))]))
+        changed[place : place + int(rng.integers(0, 3))] = rng.bytes(int(rng.integers(1, 9)))
+        path.write_bytes(changed)
+        with contextlib.suppress(InputError):
+            assert read(case)
 
 
 def test_a_file_that_is_not_there_is_named(case) -> None:

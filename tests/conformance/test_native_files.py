@@ -20,6 +20,7 @@ import pytest
 from studykit.core.errors import InputError
 from studykit.io import array_files
 from studykit.io.bvh import read_bvh
+from studykit.io.datasets import smpl_arrays
 from studykit.io.datasets.amass import Amass
 from studykit.io.datasets.dataset import Performance
 from studykit.io.datasets.known import DATASETS
@@ -162,6 +163,42 @@ def test_a_pickle_of_something_else_is_named(tmp_path: Path, name: str) -> None:
         path.write_bytes(pickle.dumps(value))
         with pytest.raises(InputError, match=rf"{number}\.pkl: "):
             read(name, path)
+
+
+@pytest.mark.parametrize(
+    ("points", "problem"),
+    [
+        (np.zeros((2, 17, 3)), "both hips are in one place in frame 0"),
+        (np.full((2, 17, 3), "a"), "keypoints3d_optim is no array of numbers"),
+        (np.zeros((2, 18, 3)), "keypoints3d_optim has the shape"),
+        (np.random.default_rng(0).normal(size=(9, 17, 3)), "are nobody's"),
+        (np.random.default_rng(0).normal(size=(9, 17, 3)) * 1e5, "are nobody's"),
+    ],
+)
+def test_keypoints_of_nobody_are_named(tmp_path: Path, points: np.ndarray, problem: str) -> None:
+    path = tmp_path / "points.pkl"
+    path.write_bytes(pickle.dumps({"keypoints3d_optim": points}))
+    with pytest.raises(InputError, match=problem) as caught:
+        read("aistpp-keypoints", path)
+    assert str(path) in str(caught.value)
+
+
+def test_keypoints_on_one_line_still_give_turns(tmp_path: Path) -> None:
+    points = np.zeros((3, 17, 3))
+    points[:, :, 1] = [170] * 5 + [150, 150, 120, 120, 95, 95, 95, 95, 50, 50, 8, 8]
+    points[:, [5, 7, 9, 11, 13, 15], 0] = 10.0
+    points[1, :5] = points[1, [0]]  # the whole face in one place
+    points[2, 5] = points[2, 6]  # both shoulders too
+    path = tmp_path / "points.pkl"
+    path.write_bytes(pickle.dumps({"keypoints3d": points}))
+    (one,) = read("aistpp-keypoints", path)
+    assert np.all(np.isfinite(kinematics.joint_positions(one.motion)))
+
+
+def test_more_numbers_than_a_take_has_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(smpl_arrays, "MOST_NUMBERS", 100)
+    with pytest.raises(InputError, match="smpl_poses has 144 numbers, more than any take"):
+        read("aistpp", aist_file(tmp_path))
 
 
 # --- AIOZ-GDANCE -------------------------------------------------------------------------------------------

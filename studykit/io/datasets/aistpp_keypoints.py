@@ -22,7 +22,9 @@ from studykit.io.datasets.dataset import Performance
 from studykit.io.datasets.recipe import Recipe
 from studykit.io.datasets.smpl_arrays import numbers
 from studykit.io.restricted_pickle import read_pickle
+from studykit.io.skeleton_map import LEG_LENGTHS_M
 from studykit.motion.coco_body import body_from_coco
+from studykit.motion.retargeting import leg_length
 
 _CENTIMETRE = 0.01
 
@@ -56,6 +58,10 @@ class AistPlusPlusKeypoints:
         """Read one sequence and find how SMPL's joints are turned."""
         positions = _points(read_pickle(path), path) * _CENTIMETRE
         motion = body_from_coco(positions, frame_rate_hz=FRAME_RATE_HZ)
+        legs = leg_length(motion.skeleton)
+        if not LEG_LENGTHS_M[0] <= legs <= LEG_LENGTHS_M[1]:
+            problem = f"legs of {legs:.3g} m (thigh and shank) are nobody's"
+            raise InputError(problem, where=path, remedy="check that its lengths are centimetres")
         return [Performance(motion=motion, performer=performer_of(path), genre=genre_of(path))]
 
 
