@@ -78,7 +78,11 @@ def read_asf(path: Path) -> AsfSkeleton:
     """
     sections = _sections(path)
     units = {words[0].lower(): words[-1] for _, words in sections["units"] if len(words) == 2}
-    unit_m = INCH_M / _numbers([units.get("length", "1")], 1, path, sections["units"][0][0])[0]
+    (per_inch,) = _numbers([units.get("length", "1")], 1, path, sections["units"][0][0])
+    if not per_inch > 0.0:
+        place = f"{path}, line {sections['units'][0][0]}"
+        raise InputError("the unit of length is no length", where=place, remedy=_AGAIN)
+    unit_m = INCH_M / per_inch
     root, position = _root(path, sections["root"])
     bones = {bone.name: bone for bone in (root, *_bones(path, sections["bonedata"]))}
     parents = _parents(path, sections["hierarchy"], bones)

@@ -101,7 +101,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
         match words:
             case [] | ["HIERARCHY"]:
                 continue
-            case ["ROOT" | "JOINT", name, *rest]:
+            case ["ROOT" | "JOINT", name, *rest] if open_joints or not joints:
                 pending = len(joints)
                 joints.append(_Joint(name=" ".join((name, *rest)), parent=_parent(open_joints, place)))
                 _check_new(joints[-1].name, known, place)
@@ -171,10 +171,10 @@ def _read_frames(
     except (IndexError, ValueError):
         raise InputError("no number of frames or no frame time", where=place, remedy=_AGAIN) from None
     rows = [(n, line) for n, line in enumerate(lines[motion_line + 3 :], motion_line + 4) if line.strip()]
-    if frames < 1 or not 0.0 < frame_time < np.inf:
+    if frames < 1 or not 1.0 / LARGEST <= frame_time <= LARGEST:
         raise InputError("no frames, or no frame time above zero", where=place, remedy=_AGAIN)
     if len(rows) != frames:
-        raise InputError(f"{frames:.12g} frames promised, {len(rows)} found", where=place, remedy=_AGAIN)
+        raise InputError(f"{head[0][-1][:12]} frames promised, {len(rows)} found", where=place, remedy=_AGAIN)
     if not channels or frames * max(channels, 4 * len(joints)) > MOST_NUMBERS:
         problem = f"{frames} frames of {len(joints)} joints with {channels} channels are no take"
         raise InputError(problem, where=place, remedy=_AGAIN)

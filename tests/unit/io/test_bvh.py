@@ -240,6 +240,69 @@ BROKEN = {
 }
 
 
+ROOT = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
+END = "}\nMOTION\nFrames: 1\nFrame Time: .03\n0 0 0\n"
+JOINTS = "".join(f"JOINT j{number}\n{{\nOFFSET 0 0 0\n" for number in range(10_000))
+HOSTILE = {
+    "a million channels": (
+        ROOT.replace("CHANNELS 3", "CHANNELS 1000000 " + "Xrotation " * 999_997) + END,
+        r"line 5: 1000000 channels in one joint",
+    ),
+    "joints within joints within joints": (ROOT + JOINTS, r"line 3003: more than 1000 joints"),
+    "joints beside joints": (ROOT + JOINTS.replace("0 0 0\n", "0 0 0\n}\n"), "more than 1000 joints"),
+    "a joint twice": (ROOT + "JOINT a\n{\nOFFSET 0 0 0\n}\n" + END, r"line 6: a second joint called 'a'"),
+    "two roots": (
+        ROOT + "}\n" + ROOT.replace("HIERARCHY\n", "").replace(" a", " b") + END,
+        "line 7: not BVH",
+    ),
+    "frames without end": (ROOT + END.replace(": 1", ": 999999999"), "999999999 frames promised, 1 found"),
+    "a number of frames as long as a page": (ROOT + END.replace(": 1", ": " + "9" * 4000), "frames promised"),
+    "many frames of joints that do not move": (
+        ROOT
+        + JOINTS[: JOINTS.index("JOINT j999")]
+        + "}\n" * 999
+        + END.replace(": 1", ": 30000").replace("0 0 0\n", "0 0 0\n" * 30_000),
+        "30000 frames of 1000 joints with 3 channels are no take",
+    ),
+    "no channels": (ROOT.replace("CHANNELS 3 Zrotation Xrotation Yrotation\n", "") + END, "0 channels"),
+    "a huge angle": (ROOT + END.replace("0 0 0", "1e300 0 0"), "line 10: not 3 finite numbers"),
+    "a huge offset": (ROOT.replace("OFFSET 0", "OFFSET 1e300") + END, "line 4: an OFFSET needs"),
+    "no time at all": (ROOT + END.replace(".03", "1e-320"), "no frame time above zero"),
+}
+
+
+@pytest.mark.parametrize("mistake", HOSTILE)
+def test_what_would_eat_time_or_memory_is_refused(tmp_path, mistake) -> None:
+    text, message = HOSTILE[mistake]
+    with pytest.raises(InputError, match=message) as caught:
+        read(tmp_path, text)
+    assert len(str(caught.value)) < 300 + len(str(tmp_path))
+
+
+def test_the_travel_of_a_joint_below_the_root_is_kept(tmp_path) -> None:
+    text = """HIERARCHY
+ROOT floor
+{
+OFFSET 0 0 0
+CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+JOINT Hips
+{
+OFFSET 0 93 -3
+CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+}
+}
+MOTION
+Frames: 2
+Frame Time: 0.05
+0 0 0 0 0 0 1 90 5 0 0 0
+0 0 0 0 0 0 2 91 6 0 0 0
+"""
+    take = read(tmp_path, text)
+    assert take.shifts[1].tolist() == [[1.0, 90.0, 5.0], [2.0, 91.0, 6.0]]
+    assert take.root_positions.tolist() == [[0.0, 0.0, 0.0]] * 2
+    assert take.frame_rate_hz == pytest.approx(20.0)
+
+
 @pytest.mark.parametrize("mistake", BROKEN)
 def test_a_broken_file_is_named_to_the_line(tmp_path, mistake) -> None:
     text, message = BROKEN[mistake]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -115,3 +116,121 @@ def test_a_skeleton_that_does_not_fit_is_named() -> None:
         InputError, match=r"no skeleton map called 'dax'; choose .*daz, motionbuilder, neo, smpl, or"
     ):
         to_smpl(take(), "dax", units_m=0.01)
+
+
+# --- skeletons whose zero pose is no T-pose --------------------------------------------------------------
+
+
+def spread(degrees: float) -> SkeletalTake:
+    """Give the figure with legs spread and arms hanging at rest, still standing in a T-pose in its frame."""
+    one = take()
+    offsets, rotations = np.array(one.offsets), np.array(one.rotations)
+    for side, sign in (("l", 1.0), ("r", -1.0)):
+        for first, below, angle in (
+            ("Thigh", ("Shin", "Foot"), sign * degrees),
+            ("Shldr", ("ForeArm", "Hand"), -2.0 * sign * degrees),
+        ):
+            turn = rotation.exp(np.radians([0.0, 0.0, angle]))
+            for name in below:
+                joint = one.joint_names.index(f"{side}{name}")
+                offsets[joint] = rotation.rotate(turn, offsets[joint])
+            rotations[0, one.joint_names.index(f"{side}{first}")] = rotation.inverse(turn)
+    return replace(one, offsets=offsets, rotations=rotations)
+
+
+def own_map(folder: Path, extra: str) -> str:
+    path = folder / "mine.toml"
+    lines = [f'{smpl} = "{name}"' for smpl, name in skeleton_map("daz").joints.items()]
+    path.write_text(extra + "\n[joints]\n" + "\n".join(lines) + "\n")
+    return str(path)
+
+
+@pytest.mark.parametrize("t_pose", ["limbs", "first-frame"])
+def test_limbs_spread_at_rest_are_brought_back(tmp_path: Path, t_pose: str) -> None:
+    one = spread(20.0)
+    motion = to_smpl(one, own_map(tmp_path, f't_pose = "{t_pose}"'), units_m=0.01)
+    # SMPL's own legs and arms are not quite straight down and aside.
+    assert np.degrees(np.linalg.norm(rotation.log(motion.rotations), axis=-1)).max() < 6.0
+    copied = to_smpl(one, own_map(tmp_path, ""), units_m=0.01)  # wrong: as if it were a T-pose at rest
+    assert np.degrees(np.linalg.norm(rotation.log(copied.rotations), axis=-1)).max() > 35.0
+
+
+def test_a_first_frame_that_is_no_t_pose_is_refused(tmp_path: Path) -> None:
+    named = own_map(tmp_path, 't_pose = "first-frame"')
+    with pytest.raises(InputError, match=r"made/up\.bvh: the first frame is no T-pose .*left_shoulder"):
+        to_smpl(take(lShldr=(0, 0, -70)), named, units_m=0.01)
+
+
+def test_joints_with_axes_of_their_own_are_turned_back(tmp_path: Path) -> None:
+    # All bones along X, as one rig has them: the thigh's X points down and its Y to the left.
+    one = take()
+    offsets, rotations = np.array(one.offsets), np.array(one.rotations)
+    down = rotation.exp(np.radians([0.0, 0.0, -90.0]))
+    thigh, shin, foot = (one.joint_names.index(name) for name in ("lThigh", "lShin", "lFoot"))
+    offsets[shin], offsets[foot] = [40.0, 0.0, 0.0], [42.0, 0.0, 0.0]
+    rotations[0, thigh] = down
+    rotations[0, shin] = rotation.exp(np.radians([0.0, 70.0, 0.0]))  # a knee bends about the left
+    rotations[0, foot] = rotation.inverse(down)
+    own = own_map(tmp_path, "").replace("mine", "axes")
+    text = Path(own_map(tmp_path, "")).read_text()
+    Path(own).write_text(text + "\n[turns]\nleft_hip = [0.0, 0.0, -90.0]\nleft_knee = [0.0, 0.0, -90.0]\n")
+    motion = to_smpl(replace(one, offsets=offsets, rotations=rotations), own, units_m=0.01)
+    turned = np.degrees(rotation.log(motion.rotations[0]))
+    assert turned[NEUTRAL_BODY.index("left_hip")] == pytest.approx(np.zeros(3), abs=1e-9)
+    assert turned[NEUTRAL_BODY.index("left_knee")] == pytest.approx([70.0, 0.0, 0.0], abs=1e-9)
+
+
+def test_the_way_is_taken_from_the_pelvis_not_from_a_root_above_it() -> None:
+    one = take()
+    under_a_root = replace(
+        one,
+        joint_names=("floor", *one.joint_names),
+        parents=(-1, *(parent + 1 for parent in one.parents)),
+        offsets=np.concatenate((np.zeros((1, 3)), one.offsets)),
+        rotations=np.concatenate((rotation.yaw(np.array([np.pi / 2]))[:, None], one.rotations), axis=1),
+        root_positions=np.zeros((1, 3)),
+        shifts={1: np.array([[10.0, 95.0, 0.0]])},
+    )
+    way = to_smpl(under_a_root, "daz", units_m=0.01).root_positions[0]
+    assert way == pytest.approx(to_smpl(one, "daz", units_m=0.01).root_positions[0] * [0, 1, -1], abs=1e-9)
+
+
+# --- what cannot be --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("units_m", [1.0, 0.1, 0.001])
+def test_legs_of_a_giant_or_a_mouse_name_the_unit(units_m: float) -> None:
+    with pytest.raises(InputError, match=r"made/up\.bvh: legs of .* m .* nobody's; correct units_m"):
+        to_smpl(take(), "daz", units_m=units_m)
+
+
+MISTAKES = {
+    "a joint that SMPL lacks": ('[joints]\ntail = "Tail"', r"mine\.toml, line 2, joints\.tail: SMPL has no"),
+    "no knees": ('[joints]\npelvis = "hip"', r"mine\.toml, line 1, joints: no joint for left_hip; name one"),
+    "a misspelt field": ('t_post = "zero"\n[joints]\n', r"mine\.toml, line 1, t_post: .* unknown"),
+    "an unknown T-pose": ('t_pose = "last"\n[joints]\n', r"mine\.toml, line 1, t_pose: "),
+    "not TOML": ("joints = {", r"mine\.toml, line 1: this is not valid TOML"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_in_a_map_file_is_named_to_the_line(tmp_path: Path, mistake: str) -> None:
+    text, message = MISTAKES[mistake]
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(InputError, match=message):
+        skeleton_map(str(tmp_path / "mine.toml"))
+
+
+def test_a_joint_named_twice_is_noticed(tmp_path: Path) -> None:
+    path = Path(own_map(tmp_path, ""))
+    path.write_text(path.read_text().replace('"rShin"', '"lShin"'))
+    with pytest.raises(InputError, match=r"mine\.toml.*'lShin' stands twice"):
+        skeleton_map(str(path))
+
+
+def test_a_map_that_hangs_the_foot_elsewhere_is_noticed(tmp_path: Path) -> None:
+    path = Path(own_map(tmp_path, ""))
+    text = path.read_text().replace('"lFoot"', '"x"').replace('"lHand"', '"lFoot"').replace('"x"', '"lHand"')
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"made/up\.bvh: the joint 'lHand' does not hang on 'lShin'"):
+        to_smpl(take(), str(path), units_m=0.01)
