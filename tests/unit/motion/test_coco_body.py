@@ -58,7 +58,7 @@ def test_a_body_at_rest_is_found_at_rest() -> None:
     found = body_from_coco(points_of(rest), frame_rate_hz=60.0)
     assert max(turns_deg(found, rest).values()) < 1.5  # the twist of a straight leg cannot be seen
     away = kinematics.joint_positions(found) - kinematics.joint_positions(rest)
-    assert np.linalg.norm(away, axis=-1).max() < 1e-3
+    assert np.linalg.norm(away, axis=-1).max() < 5e-3
 
 
 @pytest.mark.parametrize("turn", [(0.0, 2.5, 0.0), (1.2, 0.0, 0.0), (0.7, -1.0, 2.0)])
