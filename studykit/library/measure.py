@@ -140,8 +140,8 @@ def measured(take: Motion, settings: Settings, decisions: Sequence[Decision] = (
 def _decided(flagged: Booleans, decisions: Sequence[Decision]) -> Booleans:
     bad = np.array(flagged)
     for start_s, stop_s, decision in decisions:
-        # The first frame at or after the start, up to the last before the end; a hair's breadth for rounding.
-        first, last = (int(np.ceil(time * FRAME_RATE_HZ - 1e-6)) for time in (start_s, stop_s))
+        # The first frame at or after the start, up to the last before the end; times may be rounded to the microsecond.
+        first, last = (int(np.ceil(time * FRAME_RATE_HZ - 1e-3)) for time in (start_s, stop_s))
         bad[max(first, 0) : max(last, 0)] = decision == "cut"
     return bad
 

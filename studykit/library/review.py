@@ -188,7 +188,12 @@ def take_again(library: Path, name: str) -> Take:
 
 
 def _sources(library: Path, data_set: str) -> Iterator[Source]:
-    origin = Origin(**store.read_manifest(library)["origin"])
+    from studykit.library.sample import synthetic_takes  # which builds, and building asks for decisions
+
+    manifest = store.read_manifest(library)
+    origin = Origin(**manifest["origin"])
+    if origin.synthetic_seed is not None:
+        yield from synthetic_takes(manifest["segments"], origin.synthetic_seed)
     for folder, recipe in origin.folders.items():
         if recipe["data_set"] == data_set:
             yield from take_files(Path(folder), Recipe.model_validate(recipe))

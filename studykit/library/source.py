@@ -12,7 +12,6 @@ from studykit.io.datasets.read import files_in, plain_path, read_takes
 from studykit.io.datasets.recipe import Recipe
 from studykit.io.datasets.take import Take
 
-
 # What a recipe says of other files, too: a new rule for one take must not read the others again.
 _NOT_OF_ONE_FILE = {"takes", "frame_rates_hz", "groups", "recognised_by"}
 
