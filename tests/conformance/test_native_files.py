@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib.util
 import io
 import json
+import lzma
 import pickle
 import zipfile
 from collections.abc import Callable
@@ -120,6 +121,23 @@ def test_poses_of_aistpp_may_be_flat_or_not(tmp_path: Path, protocol: int) -> No
         path = native("aistpp").write(tmp_path / str(flat), dance, protocol=protocol, flat=flat)
         (one,) = read("aistpp", path)
         np.testing.assert_allclose(rotation.log(one.motion.rotations), vectors[0], atol=1e-12)
+
+
+def test_a_folder_of_motions_packed_or_not_is_read_without_what_is_to_be_ignored(tmp_path: Path) -> None:
+    dataset = DATASETS["aistpp"]
+    first = aist_file(tmp_path)
+    second = aist_file(tmp_path, name=SEQUENCE.replace("ch01", "ch02"))
+    packed = second.with_name(f"{second.name}.xz")
+    packed.write_bytes(lzma.compress(second.read_bytes()))
+    second.unlink()
+    aist_file(tmp_path, name=SEQUENCE.replace("ch01", "ch03"))
+    (tmp_path / "ignore_list.txt").write_text("gBR_sBM_cAll_d04_mBR0_ch03\r\n\n")
+    for folder in (tmp_path, tmp_path / "motions"):
+        assert dataset.recognises(folder)
+        assert dataset.items(folder) == [first, packed]
+    (one,) = read("aistpp", packed)
+    assert (one.performer, one.genre) == ("AIST d04", "break")
+    np.testing.assert_array_equal(one.motion.root_positions, read("aistpp", first)[0].motion.root_positions)
 
 
 WRONG = {
