@@ -140,7 +140,7 @@ def measured(take: Motion, settings: Settings, decisions: Sequence[Decision] = (
 def _decided(flagged: Booleans, decisions: Sequence[Decision]) -> Booleans:
     bad = np.array(flagged)
     for start_s, stop_s, decision in decisions:
-        # The first frame at or after the start, up to the last before the end; times may be rounded to the microsecond.
+        # From the first frame at or after the start to the last before the end; times may be rounded.
         first, last = (int(np.ceil(time * FRAME_RATE_HZ - 1e-3)) for time in (start_s, stop_s))
         bad[max(first, 0) : max(last, 0)] = decision == "cut"
     return bad
