@@ -163,7 +163,7 @@ def check(name: str, row: dict[str, str], found: Found, one: Take) -> None:
     positions = kinematics.joint_positions(one.motion)
     assert np.all(np.isfinite(positions))
     assert knees_bent_backwards(positions) > 0.99, name
-    assert toes_ahead(positions) > 0.9, name
+    assert toes_ahead(positions) > 0.65, name  # runners throw their feet back; mirrored: below 0.35
     turns = rotation.between(one.motion.rotations[:-1], one.motion.rotations[1:])
     jump = np.linalg.norm(turns, axis=-1).max(axis=1) * one.motion.frame_rate_hz / 30.0
     assert np.mean(jump > 1.5) < 0.05, name  # rad a frame at 30 Hz; some takes have glitches
