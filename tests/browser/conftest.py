@@ -20,9 +20,15 @@ import pytest
 
 SIZE = {"width": 1280, "height": 1000}
 CHROMIUM = (
-    "--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update "
-    "--disable-sync --use-angle=swiftshader --enable-unsafe-swiftshader"
-).split()
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
 NOT_OURS = (
     "favicon",  # JupyterLab asks for what it need not have
     "GPU stall due to ReadPixels",  # of the software renderer that stands in for a graphics card
@@ -68,13 +74,20 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
         "IPYTHONDIR": home / "ipython",
         "PYTHONPATH": Path(__file__).parents[2],
     }
-    words = (
-        "--no-browser --allow-root --ip=127.0.0.1 --IdentityProvider.token= --ServerApp.password= "
-        "--ServerApp.port_retries=0 --LabApp.expose_app_in_browser=True --LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"
+    settings = (
+        "--no-browser",
+        "--allow-root",
+        "--ip=127.0.0.1",
+        f"--port={port}",
+        "--IdentityProvider.token=",
+        "--ServerApp.password=",
+        "--ServerApp.port_retries=0",
+        "--LabApp.expose_app_in_browser=True",
+        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
     )
     with (home / "log.txt").open("w") as log:
         server = subprocess.Popen(
-            [sys.executable, "-m", "jupyter", "lab", *words.split(), f"--port={port}"],
+            [sys.executable, "-m", "jupyter", "lab", *settings],
             cwd=folder,
             env=dict(os.environ) | {name: str(value) for name, value in own.items()},
             stdout=log,

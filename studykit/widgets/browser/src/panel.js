@@ -117,13 +117,13 @@ export class BrowserPanel {
         signal: this.signal,
         onclick: () => this.player.tell({ page: target }),
       });
-    this.count.textContent = `${total.toLocaleString("en")} segments, page ${pages ? page + 1 : 0} of ${pages}`;
+    this.count.textContent = `${total.toLocaleString("en")} ${total === 1 ? "segment" : "segments"}, page ${pages ? page + 1 : 0} of ${pages}`;
     fill(
       this.pager,
-      to("⏮", "First page", 0),
-      to("◀", "Page before", page - 1),
-      to("▶", "Page after", page + 1),
-      to("⏭", "Last page", pages - 1),
+      to("«", "First page", 0),
+      to("‹", "Page before", page - 1),
+      to("›", "Page after", page + 1),
+      to("»", "Last page", pages - 1),
       this.count,
     );
   }

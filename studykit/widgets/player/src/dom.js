@@ -6,6 +6,7 @@ export function element(tag, attributes = {}, ...children) {
   const { signal, ...rest } = attributes;
   for (const [name, value] of Object.entries(rest)) {
     if (name.startsWith("on")) made.addEventListener(name.slice(2), value, { signal });
+    else if (name.startsWith("aria-")) made.setAttribute(name, String(value)); // "false" is a word there
     else if (value === true) made.setAttribute(name, "");
     else if (value !== false && value !== undefined && value !== null) made.setAttribute(name, String(value));
   }

@@ -1,9 +1,12 @@
 // The picture: floor, light, camera and the figures, drawn only when something changed.
 import {
   AmbientLight,
+  BufferGeometry,
   Color,
   DirectionalLight,
-  GridHelper,
+  Float32BufferAttribute,
+  LineBasicMaterial,
+  LineSegments,
   PerspectiveCamera,
   Scene,
   Spherical,
@@ -17,6 +20,20 @@ import { Figure } from "./figure.js";
 const NO_PICTURE =
   "This browser cannot draw in 3D (WebGL is not available). Everything else here works; " +
   "to see the figure, switch on hardware acceleration or use another browser.";
+
+/** A grid of one metre; each side of a square is a line of its own, so that none reaches behind the camera. */
+function grid(half, colour) {
+  const points = [];
+  for (let across = -half; across <= half; across += 1) {
+    for (let along = -half; along < half; along += 1) {
+      points.push(across, 0, along, across, 0, along + 1);
+      points.push(along, 0, across, along + 1, 0, across);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
+  return new LineSegments(geometry, new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.22 }));
+}
 
 export class Stage {
   constructor(signal) {
@@ -80,18 +97,20 @@ export class Stage {
   /** Draw the floor in the colours of the page. */
   dress() {
     if (!this.canDraw) return;
-    if (this.floor) {
-      this.scene.remove(this.floor);
-      this.floor.dispose();
-    }
+    this.removeFloor();
     const ink = new Color(getComputedStyle(this.element).color);
-    const size = 2 * Math.ceil(this.reach + 2);
-    this.floor = new GridHelper(size, size, ink, ink);
-    this.floor.material.transparent = true;
-    this.floor.material.opacity = 0.22;
+    this.floor = grid(Math.min(Math.ceil(this.reach + 2), 25), ink);
     this.floor.position.set(Math.round(this.centre.x), 0, Math.round(this.centre.z));
     this.scene.add(this.floor);
     this.draw();
+  }
+
+  removeFloor() {
+    if (!this.floor) return;
+    this.scene.remove(this.floor);
+    this.floor.geometry.dispose();
+    this.floor.material.dispose();
+    this.floor = undefined;
   }
 
   /** Put figures on the stage: a list of { body, values, isGhost }, and how far they move. */
@@ -171,7 +190,7 @@ export class Stage {
     this.theme.disconnect();
     this.controls.dispose();
     for (const figure of this.figures) figure.dispose();
-    this.floor?.dispose();
+    this.removeFloor();
     this.renderer.dispose();
     this.renderer.forceContextLoss(); // a page may hold few of these
     this.renderer = undefined;
