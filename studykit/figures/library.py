@@ -34,6 +34,13 @@ _WINDOW = f"{_CHAIN_S:g} s"
 _NAMES = ("Linear energy", "Rotational energy")
 _PALE = "#c9c9c9"
 _DASHES = (0, (3.0, 1.6))
+_MANY = 100  # fewer dances are shown one by one
+_LINES: Mapping[str, Any] = {"chains": "-", "windows": (0, (1.0, 1.0))}
+_WORDS = {
+    "segments": f"segments, danced for {_WINDOW}",
+    "chains": f"random chains of {_WINDOW}",
+    "windows": f"{_WINDOW} danced in one go",
+}
 _NO_GOALS: Mapping[str, Goal] = {}
 
 
@@ -48,7 +55,8 @@ def energy_distribution(
     Parameters
     ----------
     library : DanceLibrary
-        Its segments are shown as if danced for 32 s, beside the random chains that it was calibrated on.
+        Its segments are shown as if danced for 32 s, beside the random chains that it was calibrated on and
+        the windows of 32 s that were danced in one go.
     goals : mapping of str to Goal, optional
         The goals of a protocol on this library, marked by their intensity.
     body_mass_kg : float
@@ -64,20 +72,20 @@ def energy_distribution(
     with style.in_style():
         figure = _sheet(library, width_mm=style.PAGE_MM, height_mm=72.0)
         panels = figure.subplots(1, 2, sharey=True)
-        for column, (axes, segments, chains) in enumerate(
-            zip(panels, _segment_energies(library), _chain_energies(library), strict=True)
-        ):
-            own, whole = (body_mass_kg * values for values in (CHAIN_SEGMENTS * segments, chains))
+        measured = (_segment_energies(library), _chain_energies(library), _window_energies(library))
+        for column, axes in enumerate(panels):
+            segments, chains, windows = (body_mass_kg * values[column] for values in measured)
             paper = {level: values[column] for level, values in PAPER_ENERGIES_J.items()}
             asked = {level: values[column] for level, values in levels.items()}
-            reach = [*own[own > 0.0], *whole, *paper.values(), *asked.values()]
+            danced = CHAIN_SEGMENTS * segments
+            reach = [*danced[danced > 0.0], *chains, *windows, *paper.values(), *asked.values()]
             bins = np.geomspace(min(reach) / 1.1, max(reach) * 1.1, 36)
-            _draw_shares(axes, own, bins, whole)
+            _draw_shares(axes, bins, segments=danced, chains=chains, windows=windows)
             _draw_levels(axes, asked, paper, style.INTENSITY)
             _log_scale(axes, "x")
             axes.set_xlabel(f"{_NAMES[column]} in {_WINDOW} (J, {body_mass_kg:g} kg)")
         panels[0].set_ylabel("Share (%)")
-        _explain(figure, asked=bool(levels), colours=style.INTENSITY)
+        _explain(figure, library, asked=bool(levels), colours=style.INTENSITY, segments=True)
     return figure
 
 
@@ -87,7 +95,7 @@ def variety_distribution(library: DanceLibrary, *, goals: Mapping[str, Goal] = _
     Parameters
     ----------
     library : DanceLibrary
-        Its calibration holds the chains.
+        Its calibration holds random chains, and windows of 32 s that were danced in one go.
     goals : mapping of str to Goal, optional
         The goals of a protocol on this library; those that measure variety by the cosine are left out.
 
@@ -102,18 +110,18 @@ def variety_distribution(library: DanceLibrary, *, goals: Mapping[str, Goal] = _
         for goal in goals.values()
         if goal.preset.variety == "euclidean_z"
     }
-    chains = library.calibration.chain_varieties
-    reach = [*chains, *PAPER_VARIETIES.values(), *asked.values()]
+    chains, windows = library.calibration.chain_varieties, library.calibration.window_varieties
+    reach = [*chains, *windows, *PAPER_VARIETIES.values(), *asked.values()]
     colours = {"easy": "#666666", "hard": style.INK}
     with style.in_style():
         figure = _sheet(library, width_mm=style.PAGE_MM * 0.66, height_mm=72.0)
         axes = figure.add_subplot()
         axes.set_xlim(0.0, 1.06 * max(reach))
-        _draw_shares(axes, None, np.linspace(0.0, 1.06 * max(reach), 61), chains)
+        _draw_shares(axes, np.linspace(0.0, 1.06 * max(reach), 61), chains=chains, windows=windows)
         _draw_levels(axes, asked, PAPER_VARIETIES, colours)
         axes.set_xlabel(f"Variety of {_WINDOW} (mean feature distance of its segments)")
         axes.set_ylabel("Share (%)")
-        _explain(figure, asked=bool(asked), colours=colours, segments=False)
+        _explain(figure, library, asked=bool(asked), colours=colours, segments=False)
     return figure
 
 
@@ -166,6 +174,10 @@ def target_space(
         axes.scatter(
             chains[:, 0], chains[:, 1], s=4.0, color=style.INK, alpha=0.35, linewidths=0.0, gid="chains"
         )
+        windows = body_mass_kg * np.stack(_window_energies(library), axis=1)
+        axes.scatter(
+            windows[:, 0], windows[:, 1], s=9.0, marker="+", color=style.INK, linewidths=0.5, gid="windows"
+        )
         for level, place in _energy_levels(goals, body_mass_kg).items():
             _draw_point(axes, place, style.INTENSITY[level], filled=True, gid=f"goal {level}")
         for level, place in PAPER_ENERGIES_J.items():
@@ -174,7 +186,7 @@ def target_space(
         _log_scale(axes, "y")
         axes.set_xlabel(f"{_NAMES[0]} in {_WINDOW} (J, {body_mass_kg:g} kg)")
         axes.set_ylabel(f"{_NAMES[1]} in {_WINDOW} (J, {body_mass_kg:g} kg)")
-        _explain_space(figure, asked=bool(goals))
+        _explain_space(figure, asked=bool(goals), kinds=_kinds(library))
     return figure
 
 
@@ -196,6 +208,11 @@ def _segment_energies(library: DanceLibrary) -> tuple[Floats, Floats]:
 def _chain_energies(library: DanceLibrary) -> tuple[Floats, Floats]:
     calibration = library.calibration
     return calibration.chain_linear_energies, calibration.chain_rotational_energies
+
+
+def _window_energies(library: DanceLibrary) -> tuple[Floats, Floats]:
+    calibration = library.calibration
+    return calibration.window_linear_energies, calibration.window_rotational_energies
 
 
 def _energy_levels(goals: Mapping[str, Goal], body_mass_kg: float) -> dict[str, tuple[float, float]]:
@@ -222,14 +239,24 @@ def _outline(places: Floats) -> Floats:
     return np.concatenate([start + share * (end - start) for start, end in zip(corners, ends, strict=True)])
 
 
-def _draw_shares(axes: Axes, segments: Floats | None, bins: Floats, chains: Floats) -> None:
+def _draw_shares(axes: Axes, bins: Floats, **kinds: Floats) -> None:
+    """Draw how frequent values are: segments as a surface, dances as outlines, few dances one by one."""
     style.rule(axes)
-    edges = bins.tolist()
-    if segments is not None:
-        weights = np.full(len(segments), 100.0 / len(segments))
-        axes.hist(segments, edges, weights=weights, color=_PALE, linewidth=0.0, gid="segments")
-    weights = np.full(len(chains), 100.0 / len(chains))
-    axes.hist(chains, edges, weights=weights, histtype="step", color=style.INK, linewidth=1.0, gid="chains")
+    for kind, values in kinds.items():
+        if kind == "windows" and len(values) < _MANY:
+            axes.plot(
+                values, np.full(len(values), 0.025), linestyle="", marker="|", markersize=6.0,
+                color=style.INK, markeredgewidth=0.7, transform=axes.get_xaxis_transform(), zorder=4,
+                gid=kind,
+            )  # fmt: skip
+            continue
+        weights = np.full(len(values), 100.0 / len(values))
+        look: dict[str, Any] = (
+            {"color": _PALE, "linewidth": 0.0}
+            if kind == "segments"
+            else {"histtype": "step", "color": style.INK, "linewidth": 1.0, "linestyle": _LINES[kind]}
+        )
+        axes.hist(values, bins.tolist(), weights=weights, gid=kind, **look)
     axes.margins(y=0.08)
 
 
@@ -283,13 +310,25 @@ def _log_scale(axes: Axes, axis: str) -> None:
     axes.tick_params(axis="x" if axis == "x" else "y", which="minor", length=0.0)
 
 
-def _explain(figure: Figure, *, asked: bool, colours: Mapping[str, str], segments: bool = True) -> None:
+def _kinds(library: DanceLibrary) -> tuple[str, ...]:
+    """Name what is shown of dances: no take of a library may last long enough for a window."""
+    return ("chains", "windows") if len(library.calibration.window_varieties) else ("chains",)
+
+
+def _explain(
+    figure: Figure, library: DanceLibrary, *, asked: bool, colours: Mapping[str, str], segments: bool
+) -> None:
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    entries: list[Any] = []
-    if segments:
-        entries.append(Patch(color=_PALE, label=f"segments, danced for {_WINDOW}"))
-    entries.append(_line(style.INK, "-", f"random chains of {_WINDOW}", width=1.0))
+    entries: list[Any] = [Patch(color=_PALE, label=_WORDS["segments"])] if segments else []
+    for kind in _kinds(library):
+        if kind == "windows" and len(library.calibration.window_varieties) < _MANY:
+            entries.append(
+                Line2D([], [], linestyle="", marker="|", markersize=6.0, color=style.INK, label=_WORDS[kind])
+            )
+        else:
+            entries.append(_line(style.INK, _LINES[kind], _WORDS[kind], width=1.0))
     for level, colour in colours.items():
         if asked:
             entries.append(_line(colour, "-", f"{level}: this library's goal"))
@@ -303,21 +342,20 @@ def _line(colour: str, kind: Any, words: str, *, width: float = 1.4) -> Any:
     return Line2D([], [], color=colour, linestyle=kind, linewidth=width, label=words)
 
 
-def _explain_space(figure: Figure, *, asked: bool) -> None:
+def _explain_space(figure: Figure, *, asked: bool, kinds: tuple[str, ...]) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     entries: list[Any] = [
-        Line2D(
-            [], [], linestyle="", marker="o", markersize=2.0, color=style.FAINT,
-            label=f"a segment, danced for {_WINDOW}",
-        ),
-        Line2D(
-            [], [], linestyle="", marker="o", markersize=2.4, color=style.INK,
-            label=f"a random chain of {_WINDOW}",
-        ),
-        Patch(facecolor=style.GRID, edgecolor=style.FAINT, label="what any dance can have"),
-    ]  # fmt: skip
+        Line2D([], [], linestyle="", marker=marker, markersize=size, color=colour, label=_WORDS[kind])
+        for kind, marker, size, colour in (
+            ("segments", "o", 2.0, style.FAINT),
+            ("chains", "o", 2.4, style.INK),
+            ("windows", "+", 4.0, style.INK),
+        )
+        if kind in ("segments", *kinds)
+    ]
+    entries.append(Patch(facecolor=style.GRID, edgecolor=style.FAINT, label="what any dance can have"))
     for level, colour in style.INTENSITY.items():
         for is_own, words in ((True, "this library's goal"), (False, "printed in the paper")):
             if asked or not is_own:

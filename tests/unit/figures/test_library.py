@@ -108,6 +108,35 @@ def test_no_dance_leaves_the_outline(library, asked) -> None:
     )
 
 
+def with_windows(library: DanceLibrary) -> DanceLibrary:
+    calibration = replace(
+        library.calibration,
+        window_linear_energies=[1.5, 2.5, 2.5],
+        window_rotational_energies=[0.5, 1.5, 2.5],
+        window_varieties=[90.0, 100.0, 130.0],
+    )
+    return replace(library, calibration=calibration)
+
+
+def test_what_was_danced_in_one_go_is_shown_where_there_is_any(library) -> None:
+    words = "32 s danced in one go"
+    for draw in (energy_distribution, variety_distribution, target_space):
+        for own, expected in ((library, False), (with_windows(library), True)):
+            (legend,) = draw(own).legends
+            assert (words in [text.get_text() for text in legend.get_texts()]) is expected
+    few = energy_distribution(with_windows(library), body_mass_kg=2.0).axes[1].lines
+    assert [list(line.get_xdata()) for line in few if line.get_gid() == "windows"] == [[1.0, 3.0, 5.0]]
+    (axes,) = target_space(with_windows(library), body_mass_kg=2.0).axes
+    (windows,) = (one for one in axes.collections if one.get_gid() == "windows")
+    assert windows.get_offsets().tolist() == [[3.0, 1.0], [5.0, 3.0], [5.0, 5.0]]
+
+
+def test_many_dances_are_shown_as_an_outline(library) -> None:
+    calibration = replace(library.calibration, window_varieties=np.linspace(80.0, 160.0, 200))
+    (axes,) = variety_distribution(replace(library, calibration=calibration)).axes
+    assert [patch.get_gid() for patch in axes.patches] == ["chains", "windows"]
+
+
 def test_two_segments_have_an_outline_too(made_library) -> None:
     (axes,) = target_space(made_library(2)).axes
     assert any(line.get_gid() == "outline" for line in axes.lines)
@@ -159,7 +188,7 @@ def test_an_empty_library_has_no_figure(draw: Callable[..., PaperFigure], librar
 
 @pytest.mark.parametrize("draw", FIGURES)
 def test_no_word_leaves_the_sheet(draw: Callable[..., PaperFigure], library, asked) -> None:
-    figure = draw(library) if draw is joint_intensity else draw(library, goals=asked)
+    figure = draw(library) if draw is joint_intensity else draw(with_windows(library), goals=asked)
     figure.file_bytes("svg")
     with in_style():
         inches = figure.get_tightbbox()
