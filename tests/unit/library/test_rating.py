@@ -14,7 +14,14 @@ import pytest
 
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.errors import InputError
-from studykit.library.rating import RatedTargets, RatingSheet, rated_targets, rating_plan, window_motion
+from studykit.library.rating import (
+    RatedTargets,
+    RatingSheet,
+    plan_of_sheet,
+    rated_targets,
+    rating_plan,
+    window_motion,
+)
 from studykit.library.rating import plan as plan_module
 
 HEADER = "event,rater,window,segments,intensity,variety\n"
@@ -330,6 +337,56 @@ def test_ratings_that_make_no_target_are_refused(library, plan) -> None:
     ):
         with pytest.raises(InputError, match=problem):
             rated_targets(table, plan, library)
+
+
+def test_a_sheet_alone_gives_the_targets_of_its_plan(tmp_path: Path, library) -> None:
+    plan = rating_plan(library, windows=32, raters=("NA", "007", "Ö, B."))
+    sheet = RatingSheet(tmp_path / "ratings.csv", plan)
+    for row in truthful(library, plan).to_dict("records"):
+        sheet.record(**row)
+    again = sheet.undo("007")
+    sheet.record(rater="007", window=again, intensity="light", variety="easy")
+    own = plan_of_sheet(sheet.path)
+    assert chains(own) == chains(plan)
+    assert set(own["rater"]) == {"NA", "007", "Ö, B."}
+    ratings = RatingSheet(sheet.path, own).ratings()
+    from_sheet, from_plan = (rated_targets(ratings, one, library).as_dict() for one in (own, plan))
+    assert from_sheet == from_plan
+
+
+def test_a_torn_line_gives_no_window(tmp_path: Path, plan) -> None:
+    sheet = RatingSheet(tmp_path / "ratings.csv", plan)
+    for window in sheet.remaining("A")[:2]:
+        sheet.record(rater="A", window=window, intensity="light", variety="hard")
+    whole = sheet.path.read_bytes()
+    start = whole.rstrip(b"\n").rindex(b"\n") + 1
+    for length in range(start, len(whole) + 1):
+        sheet.path.write_bytes(whole[:length])
+        own = plan_of_sheet(sheet.path)
+        assert len(own) == (2 if length >= len(whole) - 1 else 1)
+        assert len(RatingSheet(sheet.path, own).ratings()) == len(own)
+        assert set(own["segments"]) <= set(plan["segments"])
+
+
+@pytest.mark.parametrize(
+    ("data", "problem"),
+    [
+        (b"", "no rating sheet"),
+        (b"\x89PNG\r\n\x1a\n\x00\xff", "no rating sheet"),
+        (b"a,b\n1,2\n", "no rating sheet"),
+        (HEADER.encode(), "nothing is rated yet"),
+        (HEADER.encode() + b"rated,A,one,1 2,light,easy\n", "no rating sheet"),
+        (HEADER.encode() + b"rated,A,1,1 b,light,easy\n", "no rating sheet"),
+        (HEADER.encode() + b"rated,A," + b"9" * 9000 + b",1 2,light,easy\n", "no rating sheet"),
+    ],
+)
+def test_what_is_no_sheet_gives_no_plan(tmp_path: Path, data, problem) -> None:
+    path = tmp_path / "ratings.csv"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=f"ratings.csv: .*{problem}"):
+        plan_of_sheet(path)
+    with pytest.raises(InputError, match="no rating sheet"):
+        plan_of_sheet(tmp_path / "missing.csv")
 
 
 def test_a_plan_of_a_larger_library_is_refused(library, plan, made_library) -> None:
