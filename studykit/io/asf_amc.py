@@ -10,7 +10,7 @@ import numpy as np
 
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
-from studykit.io.bvh import LARGEST, MOST_JOINTS, MOST_NUMBERS
+from studykit.io.bvh import LARGEST, MOST_JOINTS, MOST_NUMBERS, turned_in_order
 from studykit.io.packed import read_text
 from studykit.io.skeletal_take import SkeletalTake
 from studykit.motion import rotation
@@ -143,12 +143,7 @@ def read_asf_amc(amc: Path, asf: Path) -> SkeletalTake:
 
 def _turned(axes: str, angles: Floats) -> Floats:
     """Turn about fixed axes, the first listed first; angles of shape (..., axis), rad."""
-    turned = rotation.identity(*angles.shape[:-1])
-    for place, axis in enumerate(axes.upper()):
-        vectors = np.zeros((*angles.shape[:-1], 3))
-        vectors[..., "XYZ".index(axis)] = angles[..., place]
-        turned = rotation.multiply(rotation.exp(vectors), turned)
-    return turned
+    return turned_in_order(axes[::-1].upper(), angles[..., ::-1])
 
 
 def _far_end(bone: _Bone) -> Floats:
@@ -274,47 +269,63 @@ def _frames(path: Path, skeleton: AsfSkeleton) -> tuple[Floats, bool]:
     sizes = {name: len(dof) for name, dof in zip(skeleton.names, skeleton.dofs, strict=True) if dof}
     height = 1 + len(sizes)
     # The bones of a frame may come in any order, but in the same one in every frame.
-    order = [words[0] for _, words in rows[1:height]]
-    for place, (number, words) in enumerate(rows):
-        row = place % height
+    order = [line.split(maxsplit=1)[0] for _, line in rows[1:height]]
+    if len(rows) // height * len(skeleton.names) * 4 > MOST_NUMBERS:
+        raise InputError("more frames than a take has", where=path, remedy=_AGAIN)
+    starts, width = {}, 1
+    for name in order:
+        starts[name] = width
+        width += 1 + sizes.get(name, 0)
+    frames = len(rows) // height
+    words = " ".join(line for _, line in rows).split()
+    if (
+        not rows
+        or starts.keys() != sizes.keys()
+        or len(words) != frames * width
+        or not all(word.isdecimal() for word in words[::width])
+        or any(words[start::width] != [name] * frames for name, start in starts.items())
+    ):
+        raise _misfit(path, rows, order, sizes)
+    columns = [starts[name] + 1 + place for name, size in sizes.items() for place in range(size)]
+    try:
+        values = np.array([words[column::width] for column in columns], dtype=np.float64).T
+    except ValueError:
+        values = np.array([np.nan])
+    if not np.all(np.abs(values) <= LARGEST):
+        for number, line in rows:
+            numbers = line.split()[1:]
+            _numbers(numbers, len(numbers), path, number)
+    return values, "RADIANS" not in keywords
+
+
+def _misfit(path: Path, rows: list[tuple[int, str]], order: list[str], sizes: dict[str, int]) -> InputError:
+    """Find the first row that is not as it is in the first frame and in the skeleton."""
+    for place, (number, line) in enumerate(rows):
+        words, row = line.split(), place % (1 + len(sizes))
         if row == 0:
             fits, wanted = len(words) == 1 and words[0].isdecimal(), "the number of a frame"
         else:
             name = order[row - 1]
             fits, wanted = words[0] == name and len(words) == 1 + sizes.get(name, -1), f"{name[:40]!r}"
         if not fits:
-            raise InputError(
+            return InputError(
                 f"{' '.join(words)[:40]!r} stands where {wanted} should, with what its skeleton has",
                 where=f"{path}, line {number}",
                 remedy="put the skeleton beside it that belongs to it, or copy the file again",
             )
-    if not rows or len(rows) % height or len(set(order)) != len(sizes):
-        problem = "ends within a frame" if rows else "there are no frames"
-        raise InputError(problem, where=f"{path}, line {rows[-1][0] if rows else 1}", remedy=_AGAIN)
-    if len(rows) // height * len(skeleton.names) * 4 > MOST_NUMBERS:
-        raise InputError("more frames than a take has", where=path, remedy=_AGAIN)
-    try:
-        values = np.array([word for _, words in rows for word in words[1:]], dtype=np.float64)
-    except ValueError:
-        values = np.array([np.nan])
-    if not np.all(np.abs(values) <= LARGEST):
-        for number, words in rows:
-            _numbers(words[1:], len(words) - 1, path, number)
-    values = values.reshape(len(rows) // height, -1)
-    starts = dict(zip(order, np.cumsum([0, *(sizes[name] for name in order)]), strict=False))
-    columns = [starts[name] + place for name in sizes for place in range(sizes[name])]
-    return values[:, columns], "RADIANS" not in keywords
+    problem = "ends within a frame" if rows else "there are no frames"
+    return InputError(problem, where=f"{path}, line {rows[-1][0] if rows else 1}", remedy=_AGAIN)
 
 
-def _rows(path: Path) -> tuple[set[str], list[Line]]:
+def _rows(path: Path) -> tuple[set[str], list[tuple[int, str]]]:
     """Give the keywords of an AMC file and its rows, without comments."""
     keywords: set[str] = set()
-    rows: list[Line] = []
+    rows: list[tuple[int, str]] = []
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         if line.startswith(":"):
             keywords.add(line.strip()[1:].upper())
-        elif not line.startswith("#") and (words := line.split()):
-            rows.append((number, words))
+        elif not line.startswith("#") and line.strip():
+            rows.append((number, line))
     if "FULLY-SPECIFIED" not in keywords:
         problem = "no AMC motion: nothing says :FULLY-SPECIFIED"
         raise InputError(problem, where=path, remedy=_AGAIN)

@@ -58,7 +58,7 @@ def read_bvh(path: Path) -> SkeletalTake:
         turns = [name for name in joint.channels if name.endswith("rotation")]
         if turns:
             angles = np.deg2rad(values[:, [columns[name] for name in turns]])
-            rotations[:, number] = _turned_in_order([name[0] for name in turns], angles)
+            rotations[:, number] = turned_in_order("".join(name[0] for name in turns), angles)
         if number == 0:
             for axis, name in enumerate(_POSITIONS):
                 if name in columns:
@@ -78,14 +78,21 @@ def read_bvh(path: Path) -> SkeletalTake:
     )
 
 
-def _turned_in_order(axes: list[str], angles: Floats) -> Floats:
-    if sorted(axes) == ["X", "Y", "Z"]:
-        return rotation.from_euler("".join(axes), angles)
-    turned = rotation.identity(len(angles))
+def turned_in_order(axes: str, angles: Floats) -> Floats:
+    """Give the rotations of angles about moving axes, any number of them, the first listed outermost.
+
+    Parameters
+    ----------
+    axes : str
+        Letters of X, Y and Z.
+    angles : ndarray, shape (..., axis), rad
+    """
+    turned = rotation.identity(*angles.shape[:-1])
     for column, axis in enumerate(axes):
-        vectors = np.zeros((len(angles), 3))
-        vectors[:, "XYZ".index(axis)] = angles[:, column]
-        turned = rotation.multiply(turned, rotation.exp(vectors))
+        half = 0.5 * angles[..., column]
+        about = np.zeros((*half.shape, 4))
+        about[..., 0], about[..., 1 + "XYZ".index(axis)] = np.cos(half), np.sin(half)
+        turned = rotation.multiply(turned, about) if column else about
     return turned
 
 
