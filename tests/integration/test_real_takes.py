@@ -268,11 +268,13 @@ def test_an_amc_is_the_bvh_of_the_same_take(motion: Path) -> None:
     assert np.linalg.norm(turns, axis=-1).max() < 1e-4
 
 
-def limb_angles(foreign: SkeletalTake, skeleton: str, units_m: float, skip: int = 0) -> dict[str, float]:
+def limb_angles(
+    foreign: SkeletalTake, skeleton: str, units_m: float, *, skip: int = 0, carried_by: str = ""
+) -> dict[str, float]:
     """Give the median angle, degrees, between whole limbs of a file and of the body it was carried to."""
     joints = skeleton_map(skeleton).joints
     theirs = foreign_positions(foreign)
-    ours = kinematics.joint_positions(to_smpl(foreign, skeleton, units_m=units_m))
+    ours = kinematics.joint_positions(to_smpl(foreign, carried_by or skeleton, units_m=units_m))
     out = {}
     for first, last in (
         ("left_hip", "left_ankle"),
@@ -298,7 +300,7 @@ def foreign(find: Callable[[str], Found], motion: Path) -> Iterator[tuple[Skelet
 
 def test_limbs_point_where_they_point_in_the_file(find: Callable[[str], Found], motion: Path) -> None:
     for one, skeleton, units_m, skip in foreign(find, motion):
-        assert max(limb_angles(one, skeleton, units_m, skip).values()) < 8.0, skeleton
+        assert max(limb_angles(one, skeleton, units_m, skip=skip).values()) < 8.0, skeleton
 
 
 def test_angles_copied_from_a_zero_pose_that_is_no_t_pose_would_be_noticed(
@@ -311,6 +313,15 @@ def test_angles_copied_from_a_zero_pose_that_is_no_t_pose_would_be_noticed(
     kick = read_bvh(find(f"{BANDAI}dataset-1_kick_normal_001.bvh").path)
     assert max(limb_angles(kick, str(wrong), 0.01).values()) > 60.0
     assert implausible(to_smpl(kick, str(wrong), units_m=0.01)) is not None
+
+
+def test_left_taken_for_right_in_a_map_would_be_noticed(motion: Path, tmp_path: Path) -> None:
+    joints = skeleton_map("neo").joints
+    other = {name: JOINT_NAMES[NEUTRAL_BODY.mirror[NEUTRAL_BODY.index(name)]] for name in joints}
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("[joints]\n" + "\n".join(f'{name} = "{joints[other[name]]}"' for name in joints))
+    one = read_bvh(motion / "cmu-fbx-keijiro" / "bvh" / "135_01.bvh.xz")
+    assert max(limb_angles(one, "neo", 0.01, carried_by=str(wrong)).values()) > 25.0
 
 
 @pytest.mark.parametrize("name", ["85_12", "135_01"])

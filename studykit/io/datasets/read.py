@@ -83,7 +83,8 @@ def _checked(recipe: Recipe, path: Path) -> Recipe:
         (marker_map if recipe.format == "markers" else skeleton_map)(own)
         return recipe.model_copy(update={"skeleton": own})
     if recipe.skeleton not in known:
-        remedy = f"choose {', '.join(filter(None, known))}, or name a map file that ends in .toml"
+        own_file = "" if recipe.format == "positions" else ", or name a map file that ends in .toml"
+        remedy = f"choose {', '.join(filter(None, known))}{own_file}"
         raise InputError(f"skeleton: there is no {recipe.skeleton!r}", where=path, remedy=remedy)
     return recipe
 
