@@ -42,10 +42,13 @@ def poses(values: Any, joints: int) -> Poses:
     ('<f4', 12)
     """
     try:
-        with np.errstate(over="ignore"):
-            array = np.array(values, dtype="<f4", order="C")
-    except (TypeError, ValueError) as error:
+        given = np.asarray(values)
+    except ValueError as error:
         raise _unusable("are no table of numbers", joints) from error
+    if given.dtype.kind not in "fiu":
+        raise _unusable("are no table of numbers", joints)
+    with np.errstate(over="ignore"):
+        array = np.array(given, dtype="<f4", order="C")
     if array.ndim != 3 or array.shape[1:] != (joints, 3):
         raise _unusable(f"have the shape {array.shape}", joints)
     if not np.isfinite(array).all():

@@ -101,6 +101,14 @@ class Rater(MotionPlayer):
         self.on_msg(lambda _, message, __: self._heed(message))
         self._go_on(remaining, is_playing=False)
 
+    @traitlets.validate("speed")
+    def _speed_is_as_danced(self, proposal: Any) -> float:
+        if proposal["value"] != 1.0:
+            raise InputError(
+                "a dance at another speed is another dance", where="speed", remedy="rate it as danced"
+            )
+        return 1.0
+
     def answer(self, *, intensity: str, variety: str) -> None:
         """Save both answers on the dance that plays, and go on to the next.
 

@@ -6,6 +6,7 @@ export class BrowserPanel {
     this.model = model;
     this.player = player;
     this.signal = signal;
+    player.moreKeys.textContent = "In the table, up and down go through the rows, Enter plays.";
     this.filters = element("div", { class: "sk-controls", role: "group", "aria-label": "Filters" });
     this.count = element("span", { class: "sk-count", role: "status" });
     this.head = element("thead");

@@ -8,9 +8,8 @@ import { Timeline } from "./timeline.js";
 const SPEEDS = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2];
 const MOVING = ["positions", "ghost", "frame_rate_hz", "joint_values", "marks", "ghost_name", "joint_values_label"];
 const KEYS =
-  "Keys: Space plays and pauses, the arrows step one frame, Home and End go to the ends, " +
-  "[ and ] go to the marks, - and + change the speed, L loops, F follows, R resets the view, " +
-  "Shift with the arrows turns the view.";
+  "Space plays and pauses, the arrows step one frame, Home and End go to the ends, [ and ] go to the marks, " +
+  "- and + change the speed, L loops, F follows, R resets the view, Shift with the arrows turns the view. ";
 
 /** Read little-endian 32-bit numbers; the copy makes them start where the browser wants it. */
 function floats(view) {
@@ -66,6 +65,7 @@ export class Player {
 
   controls() {
     const { signal } = this;
+    this.moreKeys = element("span"); // of the panel around the player
     const act = (words, label, onclick, more = {}) =>
       button(words, { "aria-label": label, title: label, signal, onclick, ...more });
     this.playButton = act("▶", "Play", () => this.toggle(), { class: "sk-button sk-play" });
@@ -89,11 +89,11 @@ export class Player {
       act("+1", "One frame on", () => this.step(1)),
       this.readout,
       this.markButtons,
-      element("label", { class: "sk-field" }, "Speed ", this.speed),
+      element("label", { class: "sk-field sk-speed" }, "Speed ", this.speed),
       this.loopButton,
       this.followButton,
       act("Reset view", "See all of it from the front", () => this.stage.resetView()),
-      element("details", { class: "sk-keys" }, element("summary", {}, "Keys"), KEYS),
+      element("details", { class: "sk-keys" }, element("summary", {}, "Keys"), KEYS, this.moreKeys),
     );
   }
 
@@ -300,6 +300,7 @@ export class Player {
 
   changeSpeed(by) {
     const place = SPEEDS.indexOf(this.clock.speed) + by;
+    if (this.isSpeedFixed) return;
     if (place >= 0 && place < SPEEDS.length) this.tell({ speed: SPEEDS[place] });
   }
 

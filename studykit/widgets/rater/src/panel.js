@@ -7,6 +7,8 @@ export class RaterPanel {
     this.player = player;
     this.signal = signal;
     this.answers = {};
+    player.isSpeedFixed = true;
+    player.moreKeys.textContent = "1 to 4 answer, Enter saves. The speed stays as danced.";
     this.progress = element("p", { class: "sk-progress", role: "status" });
     this.bar = element("progress", { class: "sk-progress-bar", "aria-label": "Windows rated" });
     this.questions = element("div", { class: "sk-questions" });

@@ -10,6 +10,7 @@ export class ReviewerPanel {
     this.signal = signal;
     this.from = null;
     this.to = null;
+    player.moreKeys.textContent = "N and P go to the next and previous stretch, K keeps it, C cuts it.";
     this.head = element("div", { class: "sk-controls", role: "group", "aria-label": "Take" });
     this.list = element("ol", { class: "sk-stretches", "aria-label": "Flagged stretches of this take" });
     this.decided = element("ol", { class: "sk-stretches", "aria-label": "Decisions so far" });
