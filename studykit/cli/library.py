@@ -108,6 +108,7 @@ def build(
         )
     _print_takes(out)
     _print_info(out)
+    show.say(f"On one page: {_page(out)}")
     show.say(f"Next: studykit demo --library {out} --out sessions/{out.name}")
 
 
@@ -217,6 +218,30 @@ def info(
         show.say("Every file is what was written.")
     _print_takes(library, most=None if takes else 0)
     _print_info(library)
+
+
+@app.command()
+def browse(
+    library: Annotated[Path, typer.Argument(help="A dance library.")],
+    *,
+    show_it: Annotated[bool, typer.Option("--open", help="Open the page in the web browser.")] = False,
+) -> None:
+    """Put a library on one page with its figures: what it holds, what was left out, what its dances can be.
+
+    To see the segments move, use the library browser of the notebook 03_build_library.
+    """
+    page = _page(library)
+    show.say(f"{page}")
+    if show_it:
+        import webbrowser
+
+        webbrowser.open(page.resolve().as_uri())
+
+
+def _page(library: Path) -> Path:
+    from studykit.reports.library_page import library_page
+
+    return library_page(library)
 
 
 @app.command()
@@ -358,18 +383,15 @@ def _print_targets(facts: dict[str, Any]) -> None:
 
 def _print_takes(library: Path, *, most: int | None = 60) -> None:
     """Print what became of the takes: all of them, or the first ones and every one left out."""
-    import pandas as pd
+    from studykit.library.store import TAKES, index_folder, read_takes
 
-    from studykit.library.store import TAKES, index_folder
-
-    path = index_folder(library) / TAKES
-    table = pd.read_csv(path, keep_default_na=False)
+    table = read_takes(library)
     read = table[table["status"] != "refused"].rename(columns=TAKE_HEADS)[list(TAKE_HEADS.values())]
     rows = read.to_dict("records")[:most]
     if rows:
         show.table([{head: _short(value) for head, value in row.items()} for row in rows])
         if len(rows) < len(read):
-            show.say(f"... and {len(read) - len(rows)} takes more in {path}")
+            show.say(f"... and {len(read) - len(rows)} takes more in {index_folder(library) / TAKES}")
     for reason in table.loc[table["status"] == "refused", "reason"] if most != 0 else ():
         show.say(f"left out: {reason}")
 

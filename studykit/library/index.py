@@ -85,8 +85,6 @@ def _write_files(
     library: Path, folder: Path, outcomes: Sequence[Outcome], origin: Origin, *, seed: int
 ) -> dict[str, Any]:
     """Write all files of an index but the manifest, which is given back."""
-    import pandas as pd
-
     shards = {
         told["key"]: {
             "prefix": told["prefix"],
@@ -120,7 +118,7 @@ def _write_files(
     )
     calibration = calibrate(uncalibrated, stream(seed, "calibration"))
     store.write_calibration(folder / store.CALIBRATION, scaler, calibration)
-    return _manifest(folder, uncalibrated, pd.read_csv(folder / store.TAKES), origin)
+    return _manifest(folder, uncalibrated, takes, origin)
 
 
 def segment_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
@@ -173,7 +171,9 @@ def take_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
                 | {"status": "kept" if kept else "empty", "reason": "" if kept else _why(take["outcome"])}
                 | take["outcome"]
             )
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    counts = [name for name in table if str(name).startswith(("segments_", "frames_"))]
+    return table.astype(dict.fromkeys(counts, "Int64"))
 
 
 def _why(outcome: dict[str, Any]) -> str:

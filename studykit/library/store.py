@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -27,6 +27,9 @@ from studykit.library.origin import Origin
 from studykit.library.rating.targets import RatedTargets
 from studykit.library.shard import SegmentRows
 from studykit.motion.features import FeatureScaler
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 VERSION = 2
 MANIFEST = "manifest.json"
@@ -120,6 +123,24 @@ def read_shards(index: Path) -> dict[str, dict[str, Any]]:
     """Read which shards an index is over, in the order of its segments."""
     shards: dict[str, dict[str, Any]] = json.loads((index / SHARDS).read_text(encoding="utf-8"))
     return shards
+
+
+def read_takes(library: Path) -> pd.DataFrame:
+    """Read what became of every take of a library, and why where nothing did; one row a take.
+
+    Returns
+    -------
+    DataFrame
+        `take, data_set, performer, genre, licence, partners, status, reason, duration_s, segments_possible,
+        segments_kept, segments_paper, frames_RULE, frames_kept_by_hand, frames_cut_by_hand`; counts are
+        missing where the status is "refused".
+    """
+    import pandas as pd
+
+    table = pd.read_csv(index_folder(library) / TAKES, keep_default_na=False, dtype=str)
+    counts = [name for name in table if str(name).startswith(("segments_", "frames_"))]
+    numbers = table[[*counts, "duration_s"]].apply(pd.to_numeric, errors="coerce")
+    return table.assign(**numbers.astype(dict.fromkeys(counts, "Int64")))
 
 
 def write_calibration(path: Path, scaler: FeatureScaler, calibration: Calibration) -> None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +12,6 @@ import numpy as np
 from studykit.analysis.tables import TRIALS, check
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
-from studykit.figures.style import MM_PER_INCH
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.protocol.condition import ALL_CONDITIONS
 from studykit.protocol.latin_square import assignment, balance
@@ -22,6 +19,7 @@ from studykit.protocol.study_protocol import StudyProtocol
 from studykit.reports import numbers
 from studykit.reports.analyse import analyse, write
 from studykit.reports.draw import DRAWINGS, Drawing, Material, save
+from studykit.reports.page import embedded, filled, width_mm
 from studykit.reports.place import AnyStudy, folder_of
 from studykit.reports.trials import dances
 
@@ -77,7 +75,7 @@ class Drawn:
     """A figure of the report, or why it could not be drawn."""
 
     drawing: Drawing
-    svg_base64: str = ""
+    image: str = ""
     width_mm: float = 0.0
     marks: tuple[str, ...] = ()
     problem: str = ""
@@ -92,8 +90,8 @@ def drawn(drawing: Drawing, material: Material) -> Drawn:
     svg, _ = save(figure, material.folder.figures / drawing.stem)
     return Drawn(
         drawing=drawing,
-        svg_base64=base64.b64encode(svg.read_bytes()).decode(),
-        width_mm=MM_PER_INCH * figure.get_figwidth(),
+        image=embedded(svg.read_bytes()),
+        width_mm=width_mm(figure),
         marks=figure.marks,
     )
 
@@ -110,18 +108,9 @@ def html(material: Material, results: dict[str, Any], figures: list[Drawn]) -> s
     figures : list of Drawn
         In order.
     """
-    import jinja2
-
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {
-        name: getattr(numbers, name)
-        for name in ("number", "percent", "bounded", "p_value", "p_cell", "interval")
-    }
-    template = resources.files("studykit.reports").joinpath("report.html.jinja").read_text(encoding="utf-8")
     dances_table = dances({name: material.dances[name] for name in ALL_CONDITIONS if name in material.dances})
-    return environment.from_string(template).render(
+    return filled(
+        "report.html.jinja",
         protocol=material.protocol,
         results=results,
         figures=figures,

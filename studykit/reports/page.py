@@ -1,0 +1,49 @@
+"""Pages that need nothing else: filled from templates, figures within."""
+
+from __future__ import annotations
+
+import base64
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+from studykit.figures.style import MM_PER_INCH
+from studykit.reports import numbers
+
+if TYPE_CHECKING:
+    from studykit.figures.canvas import PaperFigure
+
+_FILTERS = ("number", "percent", "bounded", "p_value", "p_cell", "interval")
+
+
+def filled(template: str, **values: Any) -> str:
+    """Fill a template of this room; whatever a value says is shown as text, never as HTML.
+
+    Parameters
+    ----------
+    template : str
+        Its file name.
+    **values
+        What it asks for; nothing may be missing.
+    """
+    import jinja2
+
+    folder = resources.files("studykit.reports")
+    environment = jinja2.Environment(
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        loader=jinja2.FunctionLoader(lambda name: folder.joinpath(name).read_text(encoding="utf-8")),
+    )
+    environment.filters |= {name: getattr(numbers, name) for name in _FILTERS}
+    return environment.get_template(template).render(values)
+
+
+def embedded(svg: bytes) -> str:
+    """Give the bytes of a drawing as the address of an image within a page."""
+    return f"data:image/svg+xml;base64,{base64.b64encode(svg).decode()}"
+
+
+def width_mm(figure: PaperFigure) -> float:
+    """Give how wide a figure is."""
+    return float(MM_PER_INCH * figure.get_figwidth())
