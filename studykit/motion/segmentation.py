@@ -33,9 +33,7 @@ def segment_starts(runs: Sequence[tuple[int, int]], *, stride_frames: int = SEGM
     >>> segment_starts([(0, 250)], stride_frames=60)
     [0, 60, 120]
     """
-    return [
-        frame for start, stop in runs for frame in range(start, stop - SEGMENT_FRAMES + 1, stride_frames)
-    ]
+    return [frame for start, stop in runs for frame in range(start, stop - SEGMENT_FRAMES + 1, stride_frames)]
 
 
 def cut(motion: Motion, positions: Floats, starts: Integers) -> tuple[Floats, Floats]:
