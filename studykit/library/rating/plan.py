@@ -10,6 +10,7 @@ import numpy as np
 from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary, distances, mean_of_pairs
 from studykit.core.arrays import Floats, Integers
 from studykit.core.errors import InputError
+from studykit.core.provenance import sha256_of_value
 from studykit.core.seeding import stream
 from studykit.motion.blending import joined
 from studykit.motion.motion import Motion
@@ -17,7 +18,7 @@ from studykit.motion.motion import Motion
 if TYPE_CHECKING:
     import pandas as pd
 
-PLAN_COLUMNS: Final = ("rater", "order", "window", "segments")
+PLAN_COLUMNS: Final = ("rater", "order", "window", "segments", "library")
 SCALES: Final[Mapping[str, tuple[str, str]]] = {
     "intensity": ("light", "intense"),
     "variety": ("easy", "hard"),
@@ -49,8 +50,8 @@ def rating_plan(
     -------
     DataFrame
         One row a rater and window, in the order of showing: `rater`; `order` from 1; `window` from 1;
-        `segments`, a tuple of eight rows of the library. No row says what was measured on a window, nor do
-        the numbers of windows.
+        `segments`, a tuple of eight rows of the library; `library`, which one, see `segments_digest`. No row
+        says what was measured on a window, nor do the numbers of windows.
 
     Raises
     ------
@@ -77,15 +78,21 @@ def rating_plan(
     # Windows in random order within each stratum, the strata one after the other, are dealt like cards.
     dealt = np.lexsort((rng.random(windows), strata))
     blocks = [dealt[first :: len(raters)] for first in range(len(raters))]
-    rows = []
+    rows, own = [], segments_digest(library)
     for first, rater in enumerate(raters):
         turns = [blocks[(first + turn) % len(raters)] for turn in range(len(raters))]
         shown = np.concatenate([rng.permutation(block) for block in turns])
         rows += [
-            (rater, order, int(numbers[one]), tuple(int(segment) for segment in chains[one]))
+            (rater, order, int(numbers[one]), tuple(int(segment) for segment in chains[one]), own)
             for order, one in enumerate(shown, start=1)
         ]
     return pd.DataFrame(rows, columns=list(PLAN_COLUMNS))
+
+
+def segments_digest(library: DanceLibrary) -> str:
+    """Tell one set of segments from another, whatever they were calibrated on: 12 hexadecimal digits."""
+    table = library.segments[["take", "start_s", "mirrored"]]
+    return sha256_of_value(table.astype({"take": str}).to_numpy(dtype=object).tolist())[:12]
 
 
 def window_motion(library: DanceLibrary, segments: Sequence[int]) -> Motion:

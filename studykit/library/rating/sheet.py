@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _COLUMNS: Final = ("event", "rater", "window", "segments", "intensity", "variety")
+_OF: Final = " of "  # between the rows of a window and the library that they are rows of
 _LARGEST_BYTES = 16_000_000
 _HEADER = (",".join(_COLUMNS) + "\n").encode()
 
@@ -59,11 +60,11 @@ class RatingSheet:
         self._orders: dict[str, list[int]] = {}
         self._segments: dict[int, str] = {}
         ordered = plan.sort_values("order", kind="stable")
-        for rater, window, segments in zip(
-            ordered["rater"], ordered["window"], ordered["segments"], strict=True
+        for rater, window, segments, library in zip(
+            *(ordered[name] for name in ("rater", "window", "segments", "library")), strict=True
         ):
             self._orders.setdefault(str(rater), []).append(int(window))
-            self._segments[int(window)] = " ".join(str(segment) for segment in segments)
+            self._segments[int(window)] = f"{' '.join(map(str, segments))}{_OF}{library}"
         self._read()
 
     def remaining(self, rater: str) -> tuple[int, ...]:
@@ -248,13 +249,15 @@ def plan_of_sheet(path: str | Path) -> pd.DataFrame:
             io.BytesIO(whole + end), usecols=["rater", "window", "segments"], dtype=str, keep_default_na=False
         ).drop_duplicates(["rater", "window"], ignore_index=True)
         windows = [int(number) for number in table["window"]]
-        segments = [tuple(int(number) for number in words.split()) for words in table["segments"]]
+        parts = [words.split(_OF) for words in table["segments"]]
+        segments = [tuple(int(number) for number in rows.split()) for rows, _ in parts]
     except (OSError, ValueError) as error:
         raise InputError("this is no rating sheet", where=path, remedy=remedy) from error
     if table.empty:
         raise InputError("nothing is rated yet", where=path, remedy=remedy)
     order = table.groupby("rater").cumcount() + 1
-    return table.assign(window=windows, segments=pd.Series(segments), order=order)
+    libraries = [library for _, library in parts]
+    return table.assign(window=windows, segments=pd.Series(segments), library=libraries, order=order)
 
 
 def _check_answer(scale: str, answer: str, where: str | Path) -> None:

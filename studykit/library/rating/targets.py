@@ -12,7 +12,7 @@ from studykit.analysis.agreement import Agreement, krippendorff_alpha
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.arrays import Booleans, Floats
 from studykit.core.errors import InputError
-from studykit.library.rating.plan import SCALES, require_window, window_measures
+from studykit.library.rating.plan import SCALES, require_window, segments_digest, window_measures
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,7 +109,7 @@ def rated_targets(ratings: pd.DataFrame, plan: pd.DataFrame, library: DanceLibra
     Raises
     ------
     InputError
-        If a window is not in the plan, fewer than two people rated, a class has fewer than five windows, or
+        If a window is not in the plan, the library has other segments than were rated, fewer than two people rated, a class has fewer than five windows, or
         the windows called intense (hard) have on average less of it than those called light (easy).
 
     Notes
@@ -127,6 +127,12 @@ def rated_targets(ratings: pd.DataFrame, plan: pd.DataFrame, library: DanceLibra
             f"window {strangers[0]} is not in the plan",
             where="ratings",
             remedy="give the plan that these ratings belong to",
+        )
+    if set(plan["library"]) != {segments_digest(library)}:
+        raise InputError(
+            "these ratings are about other segments than the library has now",
+            where=library.name,
+            remedy="rate it again, or give the library as it was",
         )
     windows = sorted(set(ratings["window"]))
     for window in windows:

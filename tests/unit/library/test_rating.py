@@ -70,7 +70,7 @@ def truthful(library: DanceLibrary, plan: pd.DataFrame, *, backwards: bool = Fal
 
 
 def test_everybody_rates_every_window_once_in_an_order_of_their_own(plan) -> None:
-    assert list(plan.columns) == ["rater", "order", "window", "segments"]
+    assert list(plan.columns) == ["rater", "order", "window", "segments", "library"]
     orders = {rater: tuple(own["window"]) for rater, own in plan.groupby("rater")}
     assert set(orders) == {"A", "B", "C"}
     assert all(sorted(order) == list(range(1, 25)) for order in orders.values())
@@ -390,5 +390,5 @@ def test_what_is_no_sheet_gives_no_plan(tmp_path: Path, data, problem) -> None:
 
 
 def test_a_plan_of_a_larger_library_is_refused(library, plan, made_library) -> None:
-    with pytest.raises(InputError, match="no segments"):
+    with pytest.raises(InputError, match="about other segments than the library has now"):
         rated_targets(truthful(library, plan), plan, made_library(20))
