@@ -65,6 +65,36 @@ def test_keys_step_mark_and_play_and_the_kernel_knows(open_notebook: Callable[..
     assert 3 < frame(notebook) < 119
 
 
+def test_playing_keeps_the_time_of_the_browser_s_clock(open_notebook: Callable[..., Any]) -> None:
+    notebook = open_notebook(PLAYER)
+    page = notebook.page
+    page.locator(".sk-slider").focus()
+    page.wait_for_timeout(300)
+    # From here on a picture is drawn when the test says so, at the time that the test says.
+    page.evaluate("() => { window.due = []; window.requestAnimationFrame = act => window.due.push(act) }")
+    draw = "time => { const due = window.due; window.due = []; for (const act of due) act(time) }"
+    page.keyboard.press("Space")
+    for time_ms, shown in [(500, 0), (1500, 30), (1600, 33)]:
+        page.evaluate(draw, time_ms)
+        assert frame(notebook) == shown
+    page.locator(".sk-speed select").select_option("2")
+    notebook.wait_for("speed", lambda speed: speed == 2.0)
+    page.evaluate(draw, 2100)  # half a second twice as fast
+    assert frame(notebook) == 63
+    page.evaluate(draw, 3600)  # three seconds more: past the end, and round
+    assert frame(notebook) == 33
+    page.locator(".sk-speed select").select_option("0.25")
+    notebook.wait_for("speed", lambda speed: speed == 0.25)
+    page.evaluate(draw, 4600)
+    assert frame(notebook) == 40
+    page.locator(".sk-slider").focus()
+    page.keyboard.press("l")
+    notebook.wait_for("is_looping", lambda is_looping: not is_looping)
+    page.evaluate(draw, 60_000)
+    assert frame(notebook) == 119
+    notebook.wait_for("is_playing", lambda is_playing: not is_playing)
+
+
 def test_what_a_file_wrote_is_shown_as_text(open_notebook: Callable[..., Any]) -> None:
     notebook = open_notebook(PLAYER)
     page = notebook.page

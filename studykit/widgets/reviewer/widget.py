@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import traitlets
@@ -13,6 +13,9 @@ from studykit.motion.kinematics import joint_positions
 from studykit.widgets.player.material import thinned
 from studykit.widgets.player.widget import MotionPlayer
 from studykit.widgets.reviewer.desk import Desk, Source, Stretch
+
+if TYPE_CHECKING:
+    from studykit.io.datasets.take import Take
 
 BUILD_AGAIN = "To apply it, build the library again: run `studykit library build ...`."
 _SHOWN_DECISIONS = 200
@@ -105,16 +108,33 @@ class Reviewer(MotionPlayer):
             )
         take = self._desk.play(name)
         positions, rate_hz = thinned(joint_positions(take.motion), take.motion.frame_rate_hz)
+        partner, trouble = self._partner(name, take)
         with self.hold_sync():
-            self.take, self.chosen, self.status = name, -1, ""
+            self.take, self.chosen, self.status = name, -1, trouble
             self._refresh()
             self.show(
                 positions,
+                ghost=partner,
                 frame_rate_hz=rate_hz,
                 title=f"{name} ({take.source.data_set}), as recorded",
                 is_synthetic=take.source.is_synthetic,
                 is_playing=False,
             )
+
+    def _partner(self, name: str, take: Take) -> tuple[Any, str]:
+        """Give the movement of the dancer who danced along, and what stands against showing it."""
+        known, prefix = {each["name"] for each in self.takes}, name.removesuffix(take.name)
+        for partner in (prefix + each for each in take.source.partners):
+            if partner not in known:
+                continue
+            try:
+                other = self._desk.play(partner).motion
+            except (InputError, OSError) as error:
+                return None, f"The partner cannot be shown. {error}"
+            if other.frame_rate_hz == take.motion.frame_rate_hz:
+                return thinned(joint_positions(other), other.frame_rate_hz)[0], ""
+            return None, f"The partner {partner} was recorded at another rate and cannot be shown."
+        return None, ""
 
     def decide(self, start_s: float, stop_s: float, decision: str, *, note: str = "") -> None:
         """Save a decision on a stretch of the take that plays: "keep", "cut", or "" to take it back.

@@ -11,7 +11,12 @@ import pandas as pd
 import pytest
 
 from studykit.core.errors import InputError
+from studykit.io.bvh import bvh_text
+from studykit.io.datasets.read import find_recipe
 from studykit.io.datasets.take import Take, TakeSource
+from studykit.library import synthesis
+from studykit.library.build import build
+from studykit.library.review import decisions_path
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
 from studykit.widgets import review
@@ -30,6 +35,7 @@ class Shelf:
 
     rate_hz: float = 120.0
     is_full: bool = False
+    partners: tuple[str, ...] = ()
     written: list[dict[str, Any]] = field(default_factory=list)
 
     def findings(self, library: Path) -> pd.DataFrame:
@@ -56,7 +62,13 @@ class Shelf:
         root = np.zeros((480, 3))
         root[:, 0] = np.arange(480) / 480.0
         source = TakeSource(
-            data_set="set", performer="", genre="", licence="CC0-1.0", is_synthetic=True, sha256="0" * 64
+            data_set="set",
+            performer="",
+            genre="",
+            licence="CC0-1.0",
+            is_synthetic=True,
+            sha256="0" * 64,
+            partners=self.partners,
         )
         motion = Motion(
             skeleton=NEUTRAL_BODY, rotations=rotations, root_positions=root, frame_rate_hz=self.rate_hz
@@ -182,6 +194,16 @@ def test_a_take_whose_source_is_gone_says_so_and_leaves_the_other(desk: Reviewer
     assert (desk.take, len(desk.positions)) == ("a/1", 240)
 
 
+def test_who_danced_along_is_shown_beside(tmp_path: Path) -> None:
+    assert len(review(tmp_path, reviewer="MK", source=Shelf()).ghost) == 0
+    assert len(review(tmp_path, reviewer="MK", source=Shelf(partners=("elsewhere",))).ghost) == 0
+    together = review(tmp_path, reviewer="MK", source=Shelf(partners=("a/1",)))
+    np.testing.assert_array_equal(together.ghost, together.positions)
+    gone = review(tmp_path, reviewer="MK", source=Shelf(partners=("b",)))
+    assert (gone.take, len(gone.ghost)) == ("a/1", 0)
+    assert "The partner cannot be shown" in gone.status
+
+
 def test_what_cannot_be_saved_is_not_shown_as_saved(desk: Reviewer, shelf: Shelf) -> None:
     shelf.is_full = True
     press(desk, deed="decide", start_s=1.0, stop_s=1.2, decision="cut", note="")
@@ -194,14 +216,35 @@ def test_nobody_decides_without_a_name(shelf: Shelf, tmp_path: Path) -> None:
         review(tmp_path, reviewer=" ", source=shelf)
 
 
-def test_a_library_on_disk_can_be_reviewed(tmp_path: Path) -> None:
-    from studykit.library import make_sample
-    from studykit.library.review import decisions_path
+@pytest.fixture
+def library(tmp_path: Path) -> Path:
+    """A library of two takes, in one of which a knee is turned round for one frame."""
+    takes = tmp_path / "takes"
+    takes.mkdir()
+    (takes / "library.toml").write_text(
+        'data_set = "two-takes"\nlicence = "CC0-1.0"\nskeleton = "smpl"\nunits_m = 0.01\n'
+    )
+    for number, name in enumerate(("glitch", "smooth")):
+        rng = np.random.default_rng(number)
+        dance = synthesis.dance(synthesis.figures(synthesis.STYLES[0], 6, rng), np.full(6, 0.3))
+        rows = bvh_text(dance).splitlines()
+        if name == "glitch":
+            broken = rows.index("MOTION") + 3 + 200
+            rows[broken] = " ".join(
+                [*rows[broken].split()[:9], "-150", "80", "0", *rows[broken].split()[12:]]
+            )
+        (takes / f"{name}.bvh").write_text("\n".join(rows))
+    build({takes: find_recipe(takes)}, tmp_path / "library")
+    return tmp_path / "library"
 
-    make_sample(tmp_path / "library", segments=12, seed=1)
-    desk = review(tmp_path / "library", reviewer="MK")
-    assert [take["name"] for take in desk.takes] == ["synthetic-00000", "synthetic-00001"]
-    assert desk.take == "synthetic-00000"
+
+def test_a_library_on_disk_can_be_reviewed(library: Path) -> None:
+    desk = review(library, reviewer="MK")
+    assert [take["name"] for take in desk.takes] == ["glitch", "smooth"]
+    assert [take["open"] > 0 for take in desk.takes] == [True, False]
+    assert desk.take == "glitch"
+    assert desk.stretches[0]["start_s"] == pytest.approx(200 / 30, abs=0.1)
+    desk.open_take("smooth")  # nothing was flagged, and yet something can be cut
     desk.decide(1.0, 1.5, "cut")
     assert desk.decided == 1
-    assert "MK" in decisions_path(tmp_path / "library").read_text()
+    assert "smooth,1.000000,1.500000,cut,,MK" in decisions_path(library).read_text()

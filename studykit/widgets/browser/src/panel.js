@@ -58,7 +58,7 @@ export class BrowserPanel {
         placeholder: words,
         value: filters[name] ?? "",
         signal: this.signal,
-        onchange: () => set(name, field.value === "" ? null : Number(field.value)),
+        onchange: () => set(name, field.value === "" ? null : Math.max(Number(field.value), 0)),
       });
       return field;
     };
