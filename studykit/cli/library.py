@@ -51,9 +51,7 @@ def build(
     ] = None,
     skeleton: Annotated[
         str | None,
-        typer.Option(
-            help="Whose joints BVH files have (daz, neo, smpl, ... or a map file), without a recipe."
-        ),
+        typer.Option(help="Whose joints BVH files in cm have (daz, neo, smpl, ... or a map.toml)."),
     ] = None,
     fps: Annotated[
         list[str] | None,
@@ -82,6 +80,7 @@ def build(
     changed, and goes on where an interrupted one was. Takes that cannot be used are left out and listed with
     the reason.
     """
+    from studykit.io.datasets.read import files_in
     from studykit.library.build import build as build_library
     from studykit.library.measure import Settings
 
@@ -92,6 +91,8 @@ def build(
     if not 1.0 / 30.0 <= stride < math.inf:
         raise InputError(f"{stride:g} s is no stride", where="--stride", remedy="say between 0.04 and 4")
     sources = {folder: _recipe(folder, recipe, skeleton, fps or [], skip) for folder in source}
+    for folder, own in sources.items():
+        show.say(f"{folder}: {len(files_in(folder, own))} files, read as {own.data_set} ({own.format})")
     settings = Settings(
         noise_rule="paper" if noise_rule == "paper" else "robust",
         stride_s=stride,
@@ -343,8 +344,10 @@ def _facts(library: Path) -> dict[str, Any]:
 
 def _print_info(library: Path) -> None:
     facts = _facts(library)
-    kept, paper, left = facts["segments"], facts["segments_paper"], facts["takes_refused"]
-    show.say(f"{facts['name']}: {kept} segments ({facts['hours'] * 60:.1f} min) of {facts['takes']} takes")
+    kept, paper, left = facts["segments_kept"], facts["segments_paper"], facts["takes_refused"]
+    show.say(
+        f"{facts['name']}: {facts['segments']} segments ({facts['hours'] * 60:.1f} min) of {facts['takes']} takes"
+    )
     if facts["is_synthetic"]:
         show.say("  SYNTHETIC: nobody danced these")
     if left:

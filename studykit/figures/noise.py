@@ -104,11 +104,6 @@ def yield_by_take(table: pd.DataFrame, *, rows: int = 40, synthetic: bool = Fals
     ------
     InputError
         If no take is long enough for a segment.
-
-    Notes
-    -----
-    Kept segments are counted as the library has them. Where it also holds overlapping or mirrored segments,
-    more may be kept than fit side by side, and shares go beyond 100 %.
     """
     fits = table[table["segments_possible"] > 0]
     if fits.empty:

@@ -168,6 +168,7 @@ def take_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
                 {"take": told["prefix"] + take["name"]}
                 | source
                 | {"partners": _joined(told, take["source"]["partners"])}
+                | {"notes": take["source"]["notes"]}
                 | {"status": "kept" if kept else "empty", "reason": "" if kept else _why(take["outcome"])}
                 | take["outcome"]
             )
@@ -200,6 +201,7 @@ def _manifest(folder: Path, library: DanceLibrary, takes: pd.DataFrame, origin: 
         "takes": len(used),
         "takes_refused": int((takes["status"] == "refused").sum()),
         "recorded_hours": round(float(used["duration_s"].sum()) / 3600.0, 6),
+        "segments_kept": int(used["segments_kept"].sum()),
         "segments_possible": int(used["segments_possible"].sum()),
         "segments_paper": int(used["segments_paper"].sum()),
         **{f"{name}s": counts(name) for name in ("data_set", "genre", "performer", "licence")},

@@ -122,7 +122,7 @@ def measured(take: Motion, settings: Settings, decisions: Sequence[Decision] = (
     outcome = {
         "duration_s": round(take.duration_s, 6),
         "segments_possible": whole,
-        "segments_kept": len(starts) * copies,
+        "segments_kept": len(segment_starts(runs)),  # side by side, comparable to the others
         "segments_paper": len(segment_starts(cleaning.clean_runs(cleaning.flagged(excess, "paper")))),
         **{f"frames_{rule}": int(np.any(over > 1.0, axis=1).sum()) for rule, over in excess.items()},
         "frames_kept_by_hand": int((flagged & ~bad).sum()),

@@ -164,7 +164,8 @@ def findings(library: Path) -> pd.DataFrame:
     )
     place = ["take", "start_s", "stop_s"]
     # Times were written to the microsecond.
-    table[place[1:]], words[place[1:]] = table[place[1:]].round(6), words[place[1:]].astype(float).round(6)
+    for own in (table, words):
+        own[place[1:]] = own[place[1:]].astype(float).round(6)
     both = table.merge(words, on=place, how="outer")
     both["rule"] = both["rule"].fillna("by hand")
     return both.fillna("").sort_values([*place, "rule"], ignore_index=True)

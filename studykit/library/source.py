@@ -79,6 +79,7 @@ class TakeFile:
                 "recipe": self.recipe.model_dump(mode="json", exclude=_NOT_OF_ONE_FILE),
                 "rule": [rule.model_dump(mode="json") if rule else None, self.recipe.frame_rate(plain)],
                 "partners": self.recipe.partners(self.name),
+                "map": sha256_of_file(own_map) if (own_map := Path(self.recipe.skeleton)).is_file() else "",
             }
         )
 

@@ -131,9 +131,9 @@ def read_takes(library: Path) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        `take, data_set, performer, genre, licence, partners, status, reason, duration_s, segments_possible,
-        segments_kept, segments_paper, frames_RULE, frames_kept_by_hand, frames_cut_by_hand`; counts are
-        missing where the status is "refused".
+        `take, data_set, performer, genre, licence, partners, notes, status, reason, duration_s,
+        segments_possible, segments_kept, segments_paper, frames_RULE, frames_kept_by_hand,
+        frames_cut_by_hand`; counts are missing where the status is "refused".
     """
     import pandas as pd
 

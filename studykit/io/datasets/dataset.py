@@ -23,12 +23,15 @@ class Performance:
         Tells the dancers of one file apart, such as "dancer-1"; empty where there is one.
     performer, genre : str
         Who danced what, where the data set says; empty where only a recipe can.
+    notes : str
+        What had to be mended to read it, such as markers lost for a moment; empty where nothing was.
     """
 
     motion: Motion
     dancer: str = ""
     performer: str = ""
     genre: str = ""
+    notes: str = ""
 
 
 class Dataset(Protocol):

@@ -49,4 +49,5 @@ class MarkerTables:
         motion = fitted_motion(
             positions, body, rate_hz=table.frame_rate_hz, path=path, most_error_m=MOST_ERROR_M
         )
-        return [Performance(motion=motion)]
+        lost = ", ".join(f"{marker} {frames}" for marker, frames in table.gaps.items() if frames)
+        return [Performance(motion=motion, notes=f"frames filled in: {lost}" if lost else "")]

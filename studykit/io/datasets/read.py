@@ -176,4 +176,5 @@ def _source(
         is_synthetic=False,
         sha256=digest,
         partners=together,
+        notes=performance.notes,
     )

@@ -27,6 +27,8 @@ class TakeSource:
         Digest of the file, or of the recipe of a synthetic take.
     partners : tuple of str
         Names of the takes danced together with this one, on the same time line.
+    notes : str
+        What had to be mended to read it.
     """
 
     data_set: str
@@ -36,6 +38,7 @@ class TakeSource:
     is_synthetic: bool
     sha256: str
     partners: tuple[str, ...] = ()
+    notes: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -109,8 +109,9 @@ def rated_targets(ratings: pd.DataFrame, plan: pd.DataFrame, library: DanceLibra
     Raises
     ------
     InputError
-        If a window is not in the plan, the library has other segments than were rated, fewer than two people rated, a class has fewer than five windows, or
-        the windows called intense (hard) have on average less of it than those called light (easy).
+        If a window is not in the plan, the library has other segments than were rated, fewer than two people
+        rated, a class has fewer than five windows, or the windows called intense (hard) have on average less
+        of it than those called light (easy).
 
     Notes
     -----
