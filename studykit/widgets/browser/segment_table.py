@@ -98,6 +98,8 @@ class SegmentTable:
         self.columns["start_s"] = segments["start_s"].to_numpy(dtype=np.float64)
         self.columns["linear_j"] = _joules(library.linear_energies)
         self.columns["rotational_j"] = _joules(library.rotational_energies)
+        plain = np.zeros(len(segments), dtype=bool)
+        self._is_mirrored = segments["mirrored"].to_numpy(bool) if "mirrored" in segments else plain
         self.choices = {name: sorted(set(self.columns[name])) for name in CHOICES}
 
     def __len__(self) -> int:
@@ -145,6 +147,8 @@ class SegmentTable:
     def cell(self, name: str, segment: int) -> str:
         """Give one value as it is written."""
         value = self.columns[name][segment]
+        if name == "take" and self._is_mirrored[segment]:
+            return f"{value}, mirrored"
         return value if isinstance(value, str) else f"{value:.1f}"
 
 

@@ -133,6 +133,7 @@ class LibraryBrowser(MotionPlayer):
         library, segment = self._library, self.selected
         energies = library.linear_energies[segment] + library.rotational_energies[segment]
         cell = {name: self._table.cell(name, segment) for name, _, _ in COLUMNS}
+        partners = str(library.segments["partners"].iloc[segment]) if "partners" in library.segments else ""
         self.show(
             joint_positions(library.motion(segment)),
             joint_values=energies * DEFAULT_BODY_MASS_KG,
@@ -145,6 +146,7 @@ class LibraryBrowser(MotionPlayer):
                 ["start", f"{cell['start_s']} s"],
                 ["genre", cell["genre"]],
                 ["performer", cell["performer"]],
+                *([["danced with", partners]] if partners else []),
                 ["data set", cell["data_set"]],
                 ["licence", cell["licence"]],
                 ["linear energy", f"{cell['linear_j']} J"],

@@ -102,6 +102,17 @@ def test_a_chosen_segment_plays_with_its_energies_in_the_paper_s_unit(library: D
     assert not browser.is_playing
 
 
+def test_mirrored_segments_and_partners_are_told(library: DanceLibrary) -> None:
+    segments = library.segments.assign(mirrored=[False, True] * 20, partners=["", "take-9"] * 20)
+    browser = library_browser(replace(library, segments=segments))
+    assert [row["cells"][0] for row in browser.rows[:2]] == ["take-0", "take-0, mirrored"]
+    browser.selected = 0
+    assert "danced with" not in dict(browser.facts)
+    browser.selected = 1
+    assert dict(browser.facts)["danced with"] == "take-9"
+    assert browser.title == "take-0, mirrored, from 4.0 s"
+
+
 @pytest.mark.parametrize(
     ("name", "wrong"),
     [
