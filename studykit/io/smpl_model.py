@@ -191,11 +191,9 @@ def read_body_model(path: str | Path) -> BodyModel:
         pose_directions=_checked(values, "posedirs", (vertices, 3, 9 * (_JOINTS - 1)), path),
         joint_regressor=_checked(values, "J_regressor", (_JOINTS, vertices), path),
         weights=_checked(values, "weights", (vertices, _JOINTS), path),
-        faces=_checked(values, "f", (None, 3), path).astype(np.int64),
+        faces=_faces(values, vertices, path),
         path=path,
     )
-    if model.faces.min() < 0 or model.faces.max() >= vertices:
-        raise InputError("f names points that are not there", where=path, remedy="copy the file again")
     sums = np.abs(model.joint_regressor.sum(axis=1) - 1.0)
     if np.any(sums > 0.01):
         problem = f"J_regressor does not add up to 1 for {NEUTRAL_BODY.joint_names[int(np.argmax(sums))]}"
@@ -213,6 +211,14 @@ def _checked(values: dict[str, Any], name: str, shape: tuple[int | None, ...], p
     if not np.all(np.isfinite(array)):
         raise InputError(f"{name} has numbers that are not finite", where=path, remedy="copy the file again")
     return np.array(array, dtype=np.float64)
+
+
+def _faces(values: dict[str, Any], vertices: int, path: Path) -> Integers:
+    """Give the points of each triangle; some files have them as fractions, which need not fit into integers."""
+    faces = _checked(values, "f", (None, 3), path)
+    if faces.min() < 0 or faces.max() >= vertices or np.any(faces % 1.0):
+        raise InputError("f names points that are not there", where=path, remedy="copy the file again")
+    return faces.astype(np.int64)
 
 
 def _check_parents(table: Any, path: Path) -> None:

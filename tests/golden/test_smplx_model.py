@@ -152,6 +152,8 @@ def test_the_official_pickle_opens_without_chumpy(tmp_path: Path, protocol: int)
         ({"kintree_table": np.zeros((2, 52), dtype=np.int64)}, "kintree_table"),
         ({"kintree_table": np.zeros((2, 24), dtype=np.int64)}, "kintree_table"),
         ({"f": np.array([[0, 1, 200]])}, "f names"),
+        ({"f": np.array([[0.0, 1.0, 1e308]])}, "f names"),
+        ({"f": np.array([[0.0, 1.0, 1.5]])}, "f names"),
         ({"f": np.array("none")}, "f has"),
     ],
 )
