@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 DECLARED := pyproject.toml constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow test-smplx test-browser benchmark widgets lint clean
+.PHONY: help demo test test-slow test-fuzz test-smplx test-browser benchmark widgets lint clean
 
 help: ## say what can be made
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
@@ -24,6 +24,9 @@ test: lint ## style, types, layers and all quick tests
 
 test-slow: .venv/test.stamp ## the proofs that take minutes
 	$(BIN)/python -m pytest -p no:benchmark -m slow $(ARGS)
+
+test-fuzz: .venv/test.stamp ## a hundred thousand broken and hostile files for the importers, some minutes
+	$(BIN)/python -m pytest -p no:benchmark -m fuzz -n $(WORKERS) tests/fuzz $(ARGS)
 
 test-smplx: .venv-smplx/smplx.stamp ## our joints beside those of the smplx package (brings torch, 1 GB)
 	.venv-smplx/bin/python -m pytest -rs tests/golden/test_smplx_joints.py tests/golden/test_smplx_model.py $(ARGS)

@@ -26,11 +26,15 @@ ENERGY_HIT = 0.05
 """A dance is as intense as asked when both energies are within this share of their targets."""
 
 # Section 5.6 of the paper, in its unit: energies times body mass in kg.
-_PAPER_ENERGIES = {"light": (56.5, 31.8), "intense": (147.2, 106.5)}
+PAPER_ENERGIES = {"light": (56.5, 31.8), "intense": (147.2, 106.5)}
+"""Linear and rotational energy of a dance of 32 s that the paper prints as its targets (section 5.6)."""
+PAPER_VARIETIES = {"easy": 67.4, "hard": 143.1}
+"""Its targets of variety, read as mean distances of standardised features."""
+
 _PAPER_SPREADS = (88.4, 48.0)
 # 67.4 and 143.1 cannot be values of Eq. 5; they are read as distances of standardised features, of which
 # unrelated vectors are sqrt(2 x 11640) = 152.6 apart: 1 - cos = (d / 152.6)^2.
-_PAPER_VARIETIES = {"easy": 67.4**2 / 23280.0, "hard": 143.1**2 / 23280.0}
+_PAPER_COSINES = {level: distance**2 / 23280.0 for level, distance in PAPER_VARIETIES.items()}
 _PAPER_TRANSITION_TOLERANCE_M = 0.03
 
 
@@ -195,7 +199,7 @@ def _energies(
     plan: DancePlan, level: Intensity, library: DanceLibrary
 ) -> tuple[float, float, tuple[float, float]]:
     if PRESETS[plan.preset].intensity == "absolute":
-        linear, rotational = (energy / DEFAULT_BODY_MASS_KG for energy in _PAPER_ENERGIES[level])
+        linear, rotational = (energy / DEFAULT_BODY_MASS_KG for energy in PAPER_ENERGIES[level])
         spreads = (_PAPER_SPREADS[0] / DEFAULT_BODY_MASS_KG, _PAPER_SPREADS[1] / DEFAULT_BODY_MASS_KG)
         return linear, rotational, spreads
     percentile: float = getattr(plan.intensity, level)
@@ -207,7 +211,7 @@ def _energies(
 
 def _variety(plan: DancePlan, level: Variety, library: DanceLibrary) -> float:
     if PRESETS[plan.preset].variety == "cosine":
-        return _PAPER_VARIETIES[level]
+        return _PAPER_COSINES[level]
     share: float = getattr(plan.variety, level)
     return library.calibration.variety_of(level, share)
 

@@ -346,7 +346,8 @@ def _print_info(library: Path) -> None:
     facts = _facts(library)
     kept, paper, left = facts["segments_kept"], facts["segments_paper"], facts["takes_refused"]
     show.say(
-        f"{facts['name']}: {facts['segments']} segments ({facts['hours'] * 60:.1f} min) of {facts['takes']} takes"
+        f"{facts['name']}: {facts['segments']} segments ({facts['hours'] * 60:.1f} min)"
+        f" of {facts['takes']} takes"
     )
     if facts["is_synthetic"]:
         show.say("  SYNTHETIC: nobody danced these")
@@ -361,6 +362,7 @@ def _print_info(library: Path) -> None:
 
 
 def _print_targets(facts: dict[str, Any]) -> None:
+    from studykit.choreography.goal import PAPER_ENERGIES, PAPER_VARIETIES
     from studykit.motion.body import DEFAULT_BODY_MASS_KG
 
     targets = facts["targets"]
@@ -368,16 +370,18 @@ def _print_targets(facts: dict[str, Any]) -> None:
         f"  targets of 32 s, for {DEFAULT_BODY_MASS_KG} kg, linear and rotational energy"
         f" ({'as raters say' if targets['agreement'] else 'percentiles 25 and 75 of chains'}):"
     )
-    for name, printed in (("light", "56.5 and 31.8"), ("intense", "147.2 and 106.5")):
+    for level, printed in PAPER_ENERGIES.items():
         linear, rotational = (
-            targets[f"{kind}_energy"][name] * DEFAULT_BODY_MASS_KG for kind in ("linear", "rotational")
+            targets[f"{kind}_energy"][level] * DEFAULT_BODY_MASS_KG for kind in ("linear", "rotational")
         )
-        show.say(f"    {name}: {linear:.1f} and {rotational:.1f} (the paper: {printed})")
-    for name, printed in (("easy", "67.4"), ("hard", "143.1")):
-        variety = targets["variety"][name]
         show.say(
-            f"    {name}: variety {variety:.1f}, {variety / facts['median_distance']:.2f} of the distance"
-            f" between unrelated segments (the paper: {printed})"
+            f"    {level}: {linear:.1f} and {rotational:.1f} (the paper: {printed[0]:g} and {printed[1]:g})"
+        )
+    for level, distance in PAPER_VARIETIES.items():
+        variety = targets["variety"][level]
+        show.say(
+            f"    {level}: variety {variety:.1f}, {variety / facts['median_distance']:.2f} of the distance"
+            f" between unrelated segments (the paper: {distance:g})"
         )
     for scale, told in (targets["agreement"] or {}).items():
         low, high = told["interval"]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary
-from studykit.choreography.goal import Goal
+from studykit.choreography.goal import PAPER_ENERGIES, PAPER_VARIETIES, Goal
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.figures import style
@@ -20,14 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from studykit.figures.canvas import PaperFigure
-
-PAPER_ENERGIES_J: Final[Mapping[str, tuple[float, float]]] = {
-    "light": (56.5, 31.8),
-    "intense": (147.2, 106.5),
-}
-"""Linear and rotational energy of a dance of 32 s that the paper prints as its targets (section 5.6)."""
-PAPER_VARIETIES: Final[Mapping[str, float]] = {"easy": 67.4, "hard": 143.1}
-"""Its targets of variety, read as mean distances of standardised features."""
 
 _CHAIN_S = CHAIN_SEGMENTS * SEGMENT_S
 _WINDOW = f"{_CHAIN_S:g} s"
@@ -75,7 +67,7 @@ def energy_distribution(
         measured = (_segment_energies(library), _chain_energies(library), _window_energies(library))
         for column, axes in enumerate(panels):
             segments, chains, windows = (body_mass_kg * values[column] for values in measured)
-            paper = {level: values[column] for level, values in PAPER_ENERGIES_J.items()}
+            paper = {level: values[column] for level, values in PAPER_ENERGIES.items()}
             asked = {level: values[column] for level, values in levels.items()}
             danced = CHAIN_SEGMENTS * segments
             reach = [*danced[danced > 0.0], *chains, *windows, *paper.values(), *asked.values()]
@@ -180,7 +172,7 @@ def target_space(
         )
         for level, place in _energy_levels(goals, body_mass_kg).items():
             _draw_point(axes, place, style.INTENSITY[level], filled=True, gid=f"goal {level}")
-        for level, place in PAPER_ENERGIES_J.items():
+        for level, place in PAPER_ENERGIES.items():
             _draw_point(axes, place, style.INTENSITY[level], filled=False, gid=f"paper {level}")
         _log_scale(axes, "x")
         _log_scale(axes, "y")

@@ -16,6 +16,7 @@ from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.io.datasets.known import DATASETS
+from studykit.io.datasets.read import find_recipe
 from studykit.io.datasets.recipe import Recipe
 from studykit.library import index, review, shard, store
 from studykit.library.measure import Decision, Settings, measured
@@ -28,7 +29,7 @@ MEASURES = 1
 
 
 def build(
-    sources: Mapping[Path, Recipe],
+    sources: Mapping[Path, Recipe] | Iterable[str | Path],
     out: str | Path,
     *,
     settings: Settings | None = None,
@@ -39,8 +40,9 @@ def build(
 
     Parameters
     ----------
-    sources : mapping of Path to Recipe
-        Folders of takes. A library that is there already must have been built from some of them.
+    sources : mapping of Path to Recipe, or paths
+        Folders of takes, and how each is read where `find_recipe` cannot tell. A library that is there
+        already must have been built from some of them.
     out : str or Path
         The folder of the library.
     settings : Settings, optional
@@ -56,6 +58,8 @@ def build(
         If something else is in `out`, it cannot be written, or too little is left after cleaning. A take that
         cannot be used is left out and listed in the library's table of takes with the reason.
     """
+    if not isinstance(sources, Mapping):
+        sources = {Path(folder): find_recipe(Path(folder)) for folder in sources}
     files = [file for folder, recipe in sources.items() for file in take_files(Path(folder), recipe)]
     origin = Origin(
         name="+".join(dict.fromkeys(recipe.data_set for recipe in sources.values())),

@@ -11,6 +11,8 @@ from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.core.seeding import stream
+from studykit.io.bvh import bvh_text
+from studykit.io.datasets.recipe import FILE_NAME
 from studykit.io.datasets.take import Take, TakeSource
 from studykit.library import synthesis
 from studykit.library.build import build_from
@@ -100,6 +102,50 @@ def synthetic_takes(count_segments: int, seed: int) -> list[SyntheticTake]:
         SyntheticTake(number=first // PHRASES, seed=seed, phrases=min(PHRASES, count_segments - first))
         for first in range(0, count_segments, PHRASES)
     ]
+
+
+def make_takes(out: str | Path, *, segments: int = 240, seed: int = 0) -> Path:
+    """Write synthetic takes as BVH files with a recipe beside them: something to try a build on.
+
+    Parameters
+    ----------
+    out : str or Path
+        The folder to make.
+    segments : int
+        How many segments of 4 s they hold.
+    seed : int
+        Repeats the takes.
+
+    Raises
+    ------
+    InputError
+        If something is in the folder already, or it cannot be written.
+    """
+    folder = Path(out)
+    sources = synthetic_takes(segments, seed)
+    recipe = (
+        f'data_set = "{DATA_SET}"\nlicence = "{LICENCE}"\nformat = "bvh"\nskeleton = "smpl"\nunits_m = 0.01\n'
+        "# Nobody danced these takes: studykit made them up.\nis_synthetic = true\n"
+    )
+    for style in synthesis.STYLES:
+        recipe += (
+            f'\n[[takes]]\nmatch = "{style.name}/*.bvh"\ngenre = "{style.name}"\n'
+            f'performer = "nobody (synthetic)"\n'
+        )
+    try:
+        folder.mkdir(parents=True)
+        for source in sources:
+            take = source.takes()[0]
+            path = folder / take.source.genre / f"{take.name}.bvh"
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(bvh_text(take.motion), encoding="utf-8")
+        (folder / FILE_NAME).write_text(recipe, encoding="utf-8")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"cannot be written ({reason})", where=folder, remedy="choose another folder"
+        ) from error
+    return folder
 
 
 def _take(source: SyntheticTake) -> Take:

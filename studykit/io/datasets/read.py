@@ -173,7 +173,7 @@ def _source(
         performer=(rule.performer if rule else "") or performance.performer or "not stated",
         genre=(rule.genre if rule else "") or performance.genre or "not stated",
         licence=recipe.licence or dataset.licence or "not stated",
-        is_synthetic=False,
+        is_synthetic=recipe.is_synthetic,
         sha256=digest,
         partners=together,
         notes=performance.notes,

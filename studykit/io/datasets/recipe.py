@@ -46,6 +46,8 @@ class Recipe(BaseModel):
     """The unit of length of the files, in metres."""
     up: Literal["Y", "Z"] = "Y"
     """Which axis of the files points up, where the format leaves it open."""
+    is_synthetic: bool = False
+    """Whether nobody danced these takes."""
     skip_frames: Annotated[int, Field(ge=0)] = 0
     """Frames to leave out at the start of each file, such as an added T-pose."""
     recognised_by: tuple[str, ...] = ()
