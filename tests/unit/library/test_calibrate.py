@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from studykit.choreography.dance_library import distances
+from studykit.choreography.goal import goals
 from studykit.core.errors import InputError
 from studykit.core.seeding import stream
-from studykit.library import calibrate
+from studykit.io.protocol_file import default_protocol, read_protocol
+from studykit.library import calibrate, index, open_library, store
 from studykit.library.calibrate import CHAINS
+from studykit.library.rating import RatedTargets
 
 
 def relabelled(library, **columns):
@@ -82,3 +87,88 @@ def test_too_little_to_calibrate_is_named(made_library, segments, take) -> None:
         library = relabelled(library, take=take)
     with pytest.raises(InputError, match=r"^made-up: .* too few to calibrate; give at least 8 segments"):
         calibrate.calibrate(library, stream(1, "calibration"))
+
+
+def test_windows_danced_in_one_go_are_measured_beside_the_chains(made_library) -> None:
+    # Two takes of ten segments: three windows each; a gap in a third leaves it none.
+    library = relabelled(
+        made_library(30),
+        take=["one"] * 10 + ["two"] * 10 + ["three"] * 10,
+        start_s=[4.0 * n for n in range(10)] * 2 + [4.0 * n + (1.0 if n > 5 else 0.0) for n in range(10)],
+    )
+    measured = calibrate.calibrate(library, stream(1, "calibration"))
+    each = library.linear_energies.sum(axis=1)
+    expected = [each[first : first + 8].sum() for first in (0, 1, 2, 10, 11, 12)]
+    assert measured.window_linear_energies == pytest.approx(expected)
+    between = distances(library, "euclidean_z")
+    apart = np.mean([between.between([a], [b])[0, 0] for a, b in combinations(range(10, 18), 2)])
+    assert measured.window_varieties[3] == pytest.approx(apart)
+    mirrored = relabelled(library, mirrored=[False] * 20 + [True] * 10)
+    assert len(calibrate.calibrate(mirrored, stream(1, "calibration")).window_varieties) == 6
+
+
+def test_chains_do_not_depend_on_the_windows(made_library) -> None:
+    plain = calibrate.calibrate(made_library(20), stream(1, "calibration"))
+    one = relabelled(made_library(20), start_s=[4.0 * n for n in range(20)])
+    assert np.array_equal(
+        calibrate.calibrate(one, stream(1, "calibration")).chain_varieties, plain.chain_varieties
+    )
+
+
+def test_the_scaler_does_not_depend_on_how_features_are_read(made_library) -> None:
+    features = np.random.default_rng(1).gamma(2.0, size=(600, 120, 97)).astype(np.float32)
+    features[:, :, :3] = 0.0
+    scaler = calibrate.fit_scaler(features)
+    poses = features.reshape(-1, 97).astype(float)
+    assert scaler.kinetic_medians[3:] == pytest.approx(np.median(poses[:, 3:72], axis=0), rel=1e-6)
+    assert (scaler.kinetic_medians[:3] == 1.0).all()
+    logs = scaler.logarithmic(poses)
+    assert scaler.means == pytest.approx(logs.mean(axis=0), rel=1e-9, abs=1e-12)
+    assert scaler.deviations == pytest.approx(logs.std(axis=0), rel=1e-6, abs=1e-9)
+    # Of more poses than are looked at, the median comes from evenly spaced ones, whatever the pieces.
+    many = np.tile(np.arange(3000, dtype=np.float32)[:, None, None] + 1.0, (1, 120, 97))
+    assert calibrate.fit_scaler(many).kinetic_medians == pytest.approx(np.full(72, 1500.0), rel=0.01)
+
+
+def test_every_reading_of_the_paper_s_unit(built) -> None:
+    table = calibrate.unit_readings(built, stream(0, "unit readings")).set_index("reading")
+    assert len(table) == 6
+    mean = 8.0 * built.linear_energies.sum() / len(built)
+    assert table.loc["joints from the pelvis, mass as a share", "linear_energy"] == pytest.approx(
+        mean, rel=1e-5
+    )
+    assert table.loc["joints from the pelvis, mass in kg (73.5)", "linear_energy"] == pytest.approx(
+        73.5 * mean, rel=1e-5
+    )
+    walking = table.loc["joints in the room, mass as a share", "linear_energy"]
+    # The takes drift at sqrt(0.3^2 + 0.1^2) m/s: on average that adds half its square over 24 for 119 steps.
+    assert walking > mean
+    assert table["rotational_energy"].nunique() == 2
+
+
+def test_raters_go_before_percentiles(built_folder: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(built_folder, copy)
+    before = open_library(copy)
+    rated = RatedTargets(
+        linear_energy={"light": 1.0, "intense": 2.0},
+        rotational_energy={"light": 0.3, "intense": 0.6},
+        variety={"easy": 90.0, "hard": 150.0},
+        spreads={"linear_energy": 0.5, "rotational_energy": 0.1, "variety": 20.0},
+        counts={"light": 12, "intense": 12, "easy": 12, "hard": 12},
+        agreement={},
+        library_sha256=before.sha256,
+    )
+    index.adopt(copy, rated)
+    store.require_intact(copy)
+    library = open_library(copy)
+    assert library.sha256 != before.sha256
+    assert library.calibration.energies_of("intense", 75.0) == (2.0, 0.6)
+    assert library.calibration.variety_of("hard", 0.94) == 150.0
+    goal = goals(read_protocol(default_protocol()), library)["intense-hard-on"]
+    scale = goal.duration_s / 32.0
+    assert (goal.linear_energy, goal.rotational_energy) == pytest.approx((2.0 * scale, 0.6 * scale))
+    assert goal.variety == 150.0
+    index.adopt(copy, None)
+    assert open_library(copy).sha256 == before.sha256
+    assert open_library(copy).calibration.rated is None
