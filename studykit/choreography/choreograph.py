@@ -122,12 +122,13 @@ def _dance(
         condition=goal.condition,
         seed=seed,
         preset=goal.preset.name,
+        targets_from=goal.targets_from,
         segments=tuple(
             DanceSegment(
                 id=row["id"],
                 take=row["take"],
                 start_s=row["start_s"],
-                mirrored=False,
+                mirrored=bool(row["mirrored"]),
                 licence=row["licence"],
             )
             for row in rows.to_dict("records")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from studykit.choreography.rjmcmc.run import TraceRow
 from studykit.core.provenance import sha256_of_value
@@ -11,6 +11,9 @@ from studykit.motion import energy, kinematics
 from studykit.motion.motion import Motion
 
 VERSION = 1
+
+
+TargetsFrom = Literal["percentiles", "raters", "paper"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -60,6 +63,8 @@ class Dance:
         Seed of the search.
     preset : str
         Reading of the formulas.
+    targets_from : {"percentiles", "raters", "paper"}
+        Who says what the words of the condition mean.
     segments : tuple of DanceSegment
         What it is made of.
     motion : Motion
@@ -84,6 +89,7 @@ class Dance:
     condition: str
     seed: int
     preset: str
+    targets_from: TargetsFrom
     segments: tuple[DanceSegment, ...]
     motion: Motion
     asked: DanceMeasures
@@ -121,6 +127,7 @@ class Dance:
             "condition": self.condition,
             "seed": self.seed,
             "preset": self.preset,
+            "targets_from": self.targets_from,
             "is_synthetic": self.is_synthetic,
             "asked": self.asked.to_dict(),
             "achieved": self.achieved.to_dict(),
@@ -147,6 +154,10 @@ class Dance:
             condition=values["condition"],
             seed=values["seed"],
             preset=values["preset"],
+            # Dances written before raters could be asked do not say.
+            targets_from=values.get(
+                "targets_from", "paper" if values["preset"] == "paper" else "percentiles"
+            ),
             segments=tuple(DanceSegment(**segment) for segment in values["segments"]),
             motion=motion,
             asked=DanceMeasures(**values["asked"]),

@@ -12,6 +12,7 @@ from studykit.choreography.cost.intensity import IntensityCost
 from studykit.choreography.cost.total import TotalCost
 from studykit.choreography.cost.transition import TransitionCost
 from studykit.choreography.cost.variety import VarietyCost
+from studykit.choreography.dance import TargetsFrom
 from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary
 from studykit.choreography.measures import Measures
 from studykit.choreography.preset import PRESETS, Preset
@@ -64,6 +65,8 @@ class Goal:
         lambda of Eq. 1, by term.
     preset : Preset
         How the formulas are read.
+    targets_from : {"percentiles", "raters", "paper"}
+        Who says what the words of the condition mean.
     """
 
     condition: str
@@ -78,6 +81,7 @@ class Goal:
     novelty: float | None
     weights: dict[str, float] = field(hash=False)
     preset: Preset
+    targets_from: TargetsFrom
 
     @property
     def segments(self) -> int:
@@ -192,7 +196,14 @@ def goal(plan: DancePlan, condition: Condition, library: DanceLibrary) -> Goal:
         novelty=_novelty(plan, condition.variety, library),
         weights=weights,
         preset=preset,
+        targets_from=_targets_from(preset, library),
     )
+
+
+def _targets_from(preset: Preset, library: DanceLibrary) -> TargetsFrom:
+    if preset.intensity == "absolute":
+        return "paper"
+    return "raters" if library.calibration.rated is not None else "percentiles"
 
 
 def _energies(

@@ -236,6 +236,7 @@ def _dance_source(material: Material) -> dict[str, Any]:
     shown = material.dances.values()
     return {
         "presets": sorted({dance.preset for dance in shown}),
+        "targets_from": sorted({dance.targets_from for dance in shown}),
         "seeds": sorted({dance.seed for dance in shown}),
         "libraries": sorted({dance.library_sha256 for dance in shown}),
         "licences": sorted({segment.licence for dance in shown for segment in dance.segments}),

@@ -56,6 +56,23 @@ def test_a_dance_is_its_segments_joined(library, reachable) -> None:
     )
 
 
+def test_a_dance_says_which_segments_are_mirrored_and_who_set_its_targets(library, reachable) -> None:
+    sides = library.segments.assign(mirrored=np.arange(16) % 3 == 0)
+    rated = {
+        "linear_energy": {"light": 1.0, "intense": reachable.linear_energy},
+        "rotational_energy": {"light": 0.5, "intense": reachable.rotational_energy},
+        "variety": {"easy": 100.0, "hard": 150.0},
+    }
+    other = replace(library, segments=sides, calibration=replace(library.calibration, rated=rated))
+    asked = goal(PROTOCOL.dance, Condition.parse("intense-easy-on"), other)
+    assert (asked.linear_energy, asked.variety) == (reachable.linear_energy, 100.0)
+    found = dance(replace(asked, preset=replace(STUDYKIT, schedule=SHORT)), other, seed=2)
+    assert [segment.mirrored for segment in found.segments] == [s.id % 3 == 0 for s in found.segments]
+    assert (found.targets_from, dance(reachable, library, seed=2).targets_from) == ("raters", "percentiles")
+    published = PROTOCOL.dance.model_copy(update={"preset": "paper"})
+    assert goal(published, Condition.parse("light-easy-on"), other).targets_from == "paper"
+
+
 def test_what_is_shown_is_measured_joins_included(library) -> None:
     motion = joined([library.motion(0), library.motion(5)])
     shown = blended_measures(motion, 12.0)

@@ -43,6 +43,7 @@ def _dance(condition: str, number: int) -> Dance:
         condition=condition,
         seed=1,
         preset="studykit",
+        targets_from="percentiles",
         segments=(DanceSegment(id=number, take="made-up", start_s=0.0, mirrored=False, licence="CC0-1.0"),),
         motion=motion,
         asked=asked,

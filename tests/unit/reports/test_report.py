@@ -118,10 +118,16 @@ def test_percentiles_are_told_only_of_dances_that_aim_at_them(
 ) -> None:
     assert "energies aim at percentiles 25 (light) and 75 (intense)" in analysed()
     copy = StudyFolder(Path(copytree(folder.path, tmp_path / "small")))
-    for path in copy.dances.glob("*.json"):
-        path.write_text(path.read_text(encoding="utf-8").replace('"studykit"', '"paper"'), encoding="utf-8")
+    written = {path: path.read_text(encoding="utf-8") for path in copy.dances.glob("*.json")}
+    for path, words in written.items():
+        path.write_text(words.replace('"studykit"', '"paper"').replace('"percentiles"', '"paper"'))
     text = page_of(copy)
     assert "with the preset paper" in text
+    assert "percentiles" not in text
+    for path, words in written.items():
+        path.write_text(words.replace('"percentiles"', '"raters"'), encoding="utf-8")
+    text = page_of(copy)
+    assert "aim at what raters of the library called light and intense, easy and hard" in text
     assert "percentiles" not in text
 
 
