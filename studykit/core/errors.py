@@ -28,4 +28,5 @@ class InputError(ValueError):
         self.remedy = remedy
         self.where = str(where)
         place = f"{self.where}: " if self.where else ""
-        super().__init__(f"{place}{problem}; {remedy}.")
+        # What is quoted from a file may have line ends in it.
+        super().__init__(" ".join(f"{place}{problem}; {remedy}.".splitlines()))

@@ -17,7 +17,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from studykit.core.errors import InputError
-from studykit.io.packed import read_bytes
+from studykit.io.packed import most_unpacked, read_bytes
 
 LARGEST_BYTES = 170 * 2**20
 """Twenty million numbers and some; what holds more is no take."""
@@ -94,6 +94,8 @@ def _member(archive: ZipFile, name: str, most: int) -> bytes:
     info = archive.getinfo(name)
     if info.file_size > most:
         raise ValueError(f"it unpacks to more than {LARGEST_BYTES / 2**20:.0f} MiB")
+    if info.file_size > most_unpacked(info.compress_size):
+        raise ValueError(f"it unpacks to {info.file_size / 2**20:.0f} MiB, which no recording does")
     if info.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         raise ValueError("it is packed as NumPy never does")
     return archive.read(info)

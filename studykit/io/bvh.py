@@ -195,6 +195,7 @@ def _read_frames(
             if not _is_row(line, channels):
                 problem = f"not {channels} finite numbers"
                 raise InputError(problem, where=f"{path}, line {number}", remedy=_AGAIN)
+        values = np.array([line.split() for _, line in rows], dtype=np.float64)  # such as digits of Arabic
     return frame_time, values.reshape(frames, channels)
 
 

@@ -14,6 +14,10 @@ PACKED = (".xz", ".gz")
 LARGEST_BYTES = 2**30
 """No take is larger than this (an hour at 120 Hz as text); what unpacks to more is not a take."""
 
+SMALL_BYTES = 2**23
+MOST_UNPACKED = 100
+"""How often a recording may hold its packed size once it is not small; real ones hold it up to ten times."""
+
 _CHUNK = 1 << 20
 
 
@@ -34,6 +38,8 @@ def read_bytes(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> bytes:
     opener: Any = {".xz": lzma.open, ".gz": gzip.open}.get(path.suffix, open)
     data = bytearray()
     try:
+        if path.suffix in PACKED:
+            largest_bytes = min(largest_bytes, most_unpacked(path.stat().st_size))
         with opener(path, "rb") as file:
             while chunk := file.read(_CHUNK):
                 data += chunk
@@ -53,6 +59,11 @@ def read_bytes(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> bytes:
             f"cannot be read ({reason})", where=path, remedy="check the path and its rights"
         ) from error
     return bytes(data)
+
+
+def most_unpacked(packed_bytes: int) -> int:
+    """Give how many bytes a packed recording may hold: what holds far more was made to fill the memory."""
+    return max(SMALL_BYTES, MOST_UNPACKED * packed_bytes)
 
 
 def read_text(path: Path) -> str:

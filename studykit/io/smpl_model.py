@@ -194,9 +194,12 @@ def read_body_model(path: str | Path) -> BodyModel:
         faces=_faces(values, vertices, path),
         path=path,
     )
-    sums = np.abs(model.joint_regressor.sum(axis=1) - 1.0)
-    if np.any(sums > 0.01):
-        problem = f"J_regressor does not add up to 1 for {NEUTRAL_BODY.joint_names[int(np.argmax(sums))]}"
+    with np.errstate(over="ignore", invalid="ignore"):  # what is no number is not close to 1
+        sums = np.abs(model.joint_regressor.sum(axis=1) - 1.0)
+    if not np.all(sums <= 0.01):
+        problem = (
+            f"J_regressor does not add up to 1 for {NEUTRAL_BODY.joint_names[int(np.argmin(sums <= 0.01))]}"
+        )
         raise InputError(problem, where=path, remedy="copy the file again")
     return model
 
@@ -214,7 +217,7 @@ def _checked(values: dict[str, Any], name: str, shape: tuple[int | None, ...], p
 
 
 def _faces(values: dict[str, Any], vertices: int, path: Path) -> Integers:
-    """Give the points of each triangle; some files have them as fractions, which need not fit into integers."""
+    """Give the points of each triangle, which a file may have as any kind of number."""
     faces = _checked(values, "f", (None, 3), path)
     if faces.min() < 0 or faces.max() >= vertices or np.any(faces % 1.0):
         raise InputError("f names points that are not there", where=path, remedy="copy the file again")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import re
 import tomllib
+from bisect import bisect_left
 from difflib import get_close_matches
+from functools import lru_cache
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
@@ -21,6 +23,10 @@ if TYPE_CHECKING:
 Model = TypeVar("Model", bound=BaseModel)
 FieldPath = tuple[str | int, ...]
 LINE_LENGTH = 110
+_MOST_CHARACTERS = 300_000
+"""Read to find a line; a file in which that takes more is none that a person wrote."""
+_MOST_PROBLEMS = 10
+"""Looked up to find the first; who has more sees the others next."""
 
 
 def read_model(path: Path | str, model: type[Model]) -> Model:
@@ -48,6 +54,8 @@ def read_model(path: Path | str, model: type[Model]) -> Model:
     data = _parsed(text, path)
     try:
         return model.model_validate_json(json.dumps(data, default=str), strict=True)
+    except RecursionError:
+        raise _too_much(path) from None
     except ValidationError as error:
         raise _first_problem(error, model, data, text, path) from None
 
@@ -73,19 +81,11 @@ def line_of(text: str, field: FieldPath) -> int | None:
     >>> line_of("a = 1\n[dance]\nb = [\n  2,\n]\nc.d = 3", ("dance", "c", "d"))
     6
     """
-    # A setting begins on the line after the longest text before it that is valid TOML on its own, and is
-    # there as soon as a longer text is valid again. No second parser could disagree with the first.
-    lines = list(StringIO(text))
-    start = 0
-    for stop in range(1, len(lines) + 1):
-        try:
-            data = tomllib.loads("".join(lines[:stop]))
-        except tomllib.TOMLDecodeError:
-            continue
-        if _is_set(data, field):
-            return start + 1
-        start = stop
-    return None
+    # A setting is there as soon as the text up to the end of some setting has it. No second parser could
+    # disagree with the first.
+    ends = _ends(text)
+    found = bisect_left(ends, 1, key=lambda stop: int(_is_set(_beginning(text, stop), field)))
+    return None if found == len(ends) else ([0, *ends])[found] + 1
 
 
 def model_text(model: BaseModel) -> str:
@@ -116,6 +116,8 @@ def _text(path: Path) -> str:
         raise InputError("there is no such file", where=path, remedy=remedy) from None
     except UnicodeDecodeError:
         raise InputError("the file is not text", where=path, remedy="save it as UTF-8 text") from None
+    except ValueError:
+        raise InputError("no file can be called that", where=str(path), remedy="check the path") from None
     except OSError as error:
         reason = (error.strerror or "unknown reason").lower()
         raise InputError(
@@ -137,18 +139,53 @@ def _parsed(text: str, path: Path) -> dict[str, Any]:
             where=place,
             remedy="look for a missing quote, bracket, comma or equals sign, or a field that is set twice",
         ) from None
+    except (ValueError, RecursionError):  # a number of thousands of digits, thousands of brackets
+        raise _too_much(path) from None
+
+
+def _too_much(path: Path) -> InputError:
+    problem = "a number is too long or brackets are nested too deep"
+    return InputError(problem, where=path, remedy="write numbers and lists that a person could read")
+
+
+@lru_cache(maxsize=2)
+def _ends(text: str) -> list[int]:
+    """Give the lines (from 1) on which a setting, a heading or a comment ends; none after a huge one."""
+    lines = list(StringIO(text))
+    ends: list[int] = []
+    start, left = 0, _MOST_CHARACTERS
+    for stop in range(1, len(lines) + 1):
+        one = "".join(lines[start:stop])
+        left -= len(one)
+        if left < 0:
+            break
+        try:
+            tomllib.loads(one)
+        except (ValueError, RecursionError):
+            continue
+        ends.append(stop)
+        start = stop
+    return ends
+
+
+@lru_cache(maxsize=64)
+def _beginning(text: str, stop: int) -> dict[str, Any]:
+    return tomllib.loads("".join(list(StringIO(text))[:stop]))
 
 
 def _unfinished_line(text: str) -> int:
     """Find the line where the setting begins that the end of the text leaves open."""
-    lines = list(StringIO(text))
-    for stop in range(len(lines), 0, -1):
-        try:
-            tomllib.loads("".join(lines[:stop]))
-        except tomllib.TOMLDecodeError:
-            continue
-        return stop + 1
-    return 1
+    ends = _ends(text)
+    good = bisect_left(ends, 1, key=lambda stop: int(not _is_valid(text, stop)))
+    return ([0, *ends])[good] + 1
+
+
+def _is_valid(text: str, stop: int) -> bool:
+    try:
+        _beginning(text, stop)
+    except (ValueError, RecursionError):
+        return False
+    return True
 
 
 def _holds(data: Any, part: str | int) -> bool:
@@ -187,7 +224,8 @@ def _first_problem(
     def rank(problem: ErrorDetails) -> tuple[bool, float]:
         return problem["type"] != "extra_forbidden", place(problem)[1] or float("inf")
 
-    first = min(fitting or problems, key=rank)
+    unknown = [p for p in fitting if p["type"] == "extra_forbidden"]
+    first = min((unknown or fitting or problems)[:_MOST_PROBLEMS], key=rank)
     line = place(first)[1]
     name = ".".join(part for part in _field(first, data) if isinstance(part, str))
     where = ", ".join(filter(None, [str(path), f"line {line}" if line else "", name]))

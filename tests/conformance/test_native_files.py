@@ -169,6 +169,18 @@ def test_a_wrong_array_is_named_with_its_frame(tmp_path: Path, problem: str) -> 
     assert str(path) in str(caught.value)
 
 
+def test_half_precision_is_read_without_a_word(tmp_path: Path) -> None:
+    (one,) = read("aistpp", aist_file(tmp_path, smpl_poses=np.zeros((2, 72), dtype=np.float16)))
+    assert one.motion.rotations.dtype == np.float64
+
+
+def test_an_archive_that_unpacks_to_far_more_than_a_recording_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "A_poses.npz"
+    np.savez_compressed(path, trans=np.zeros((2**19, 3)))
+    with pytest.raises(InputError, match="unpacks to 12 MiB, which no recording does"):
+        read("amass", path)
+
+
 def test_a_tiny_scaling_does_not_make_a_giant(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="smpl_scaling"):
         read("aistpp", aist_file(tmp_path, smpl_scaling=np.array([1e-300])))
@@ -434,6 +446,7 @@ def test_a_smplx_archive_says_the_same_as_a_smplh_one(tmp_path: Path) -> None:
         ({"poses": np.zeros((2, 72))}, "poses has the shape"),
         ({"poses": np.zeros(156)}, "poses has the shape"),
         ({"poses": None}, "has no array root_orient"),
+        ({"trans": np.full((2, 3), np.longdouble("1e4000"))}, "trans has inf in frame 0"),
         ({"trans": np.zeros((5, 3))}, "have 2 and 5 frames"),
         ({"trans": np.array([{}, {}])}, "objects, not numbers"),
     ],

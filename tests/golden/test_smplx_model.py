@@ -148,6 +148,7 @@ def test_the_official_pickle_opens_without_chumpy(tmp_path: Path, protocol: int)
         ({"posedirs": np.zeros((200, 3, 486))}, "posedirs"),
         ({"J_regressor": np.full((24, 200), np.nan)}, "J_regressor"),
         ({"J_regressor": np.zeros((24, 200))}, "J_regressor"),
+        ({"J_regressor": np.full((24, 200), 1e308)}, "J_regressor does not add up to 1 for pelvis"),
         ({"weights": np.full((200, 24), "a")}, "weights"),
         ({"kintree_table": np.zeros((2, 52), dtype=np.int64)}, "kintree_table"),
         ({"kintree_table": np.zeros((2, 24), dtype=np.int64)}, "kintree_table"),

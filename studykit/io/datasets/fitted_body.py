@@ -12,6 +12,7 @@ from studykit.core.errors import InputError
 from studykit.io.skeleton_map import LEG_LENGTHS_M
 from studykit.motion.inverse_kinematics import fit
 from studykit.motion.motion import Motion
+from studykit.motion.plausibility import RATES_HZ
 from studykit.motion.retargeting import leg_length
 from studykit.motion.skeleton import JOINT_NAMES, Skeleton
 
@@ -42,6 +43,9 @@ def fitted_motion(
     InputError
         If the body is nobody's, or does not fit.
     """
+    if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
+        problem = f"{rate_hz:g} frames a second are no rate of motion capture"
+        raise InputError(problem, where=path, remedy="give the true rate as frame_rate_hz in the recipe")
     length = leg_length(body)
     if not LEG_LENGTHS_M[0] <= length <= LEG_LENGTHS_M[1]:
         raise InputError(

@@ -90,12 +90,11 @@ def _table(path: Path) -> Floats:
         or any(line.count(",") != _COLUMNS - 1 for _, line in rows)
         or not np.all(np.abs(values) <= LARGEST)
     ):
-        for number, line in rows:
-            _check(path, number, line)
+        values = np.array([_row(path, number, line) for number, line in rows])  # such as digits of Arabic
     return values.reshape(len(rows), len(JOINT_NAMES), 3)
 
 
-def _check(path: Path, number: int, line: str) -> None:
+def _row(path: Path, number: int, line: str) -> list[float]:
     try:
         values = [float(cell) for cell in line.split(",")]
     except ValueError:
@@ -103,3 +102,4 @@ def _check(path: Path, number: int, line: str) -> None:
     if len(values) != _COLUMNS or not all(abs(value) <= LARGEST for value in values):
         problem = f"not {_COLUMNS} finite numbers between commas"
         raise InputError(problem, where=f"{path}, line {number}", remedy=_AGAIN)
+    return values

@@ -42,7 +42,7 @@ class Recipe(BaseModel):
     citation: str = ""
     skeleton: str = ""
     """Whose joints or markers the files have: a built-in map, or a map file beside the recipe."""
-    units_m: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 1.0
+    units_m: Annotated[float, Field(ge=1e-6, le=1000.0, allow_inf_nan=False)] = 1.0
     """The unit of length of the files, in metres."""
     up: Literal["Y", "Z"] = "Y"
     """Which axis of the files points up, where the format leaves it open."""

@@ -87,6 +87,8 @@ def numbers(
         raise InputError(
             f"{name} has {array.size:,} numbers, more than any take", where=path, remedy="cut it into several"
         )
+    with np.errstate(over="ignore"):  # long doubles beyond all doubles become infinite
+        array = array.astype(np.float64)
     good = np.abs(array) <= LARGEST_NUMBER
     if not np.all(good):
         first = np.argwhere(~good)[0]
@@ -94,7 +96,7 @@ def numbers(
         place = f" in frame {first[frame_axis]}" if len(first) > frame_axis else ""
         problem = f"{name} has {bad:.3g}{place}"
         raise InputError(problem, where=path, remedy="export the file again, or leave it out")
-    return array.astype(np.float64)
+    return array
 
 
 def rotation_vectors(value: Any, name: str, path: Path) -> Floats:

@@ -315,3 +315,11 @@ def test_bytes_that_are_no_text_at_all(tmp_path) -> None:
     (tmp_path / "take.bvh").write_bytes(bytes(range(128, 256)) * 4)
     with pytest.raises(InputError, match=r"take\.bvh, line 1: not BVH"):
         read_bvh(tmp_path / "take.bvh")
+
+
+def test_digits_of_arabic_are_digits(tmp_path) -> None:
+    text = bvh_text(a_dance())
+    plain = read(tmp_path, text)
+    head, rows = text.split("Frame Time", 1)
+    arabic = read(tmp_path, f"{head}Frame Time{rows.replace('3', chr(0x663))}")
+    np.testing.assert_array_equal(arabic.rotations, plain.rotations)

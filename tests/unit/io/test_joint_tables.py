@@ -120,3 +120,24 @@ def test_a_recipe_with_a_skeleton_that_is_not_there_is_refused(
     (tmp_path / "library.toml").write_text(f'data_set = "mine"\n{text}\n')
     with pytest.raises(InputError, match=message):
         named_recipe(tmp_path / "library.toml")
+
+
+def test_digits_of_arabic_are_digits(tmp_path: Path) -> None:
+    text = table(joints())
+    plain = read(tmp_path, text)
+    arabic = read(tmp_path, text.replace("3", "\N{ARABIC-INDIC DIGIT THREE}"))
+    np.testing.assert_array_equal(arabic.motion.rotations, plain.motion.rotations)
+
+
+@pytest.mark.parametrize("rate", [1e-300, 1.0, 1e6, 1e308])
+def test_a_rate_of_no_camera_is_named_before_a_body_is_fitted(tmp_path: Path, rate: float) -> None:
+    with pytest.raises(InputError, match=r"a\.csv: .* frames a second are no rate of motion capture"):
+        read(tmp_path, table(joints()), frame_rates_hz={"*": rate})
+
+
+@pytest.mark.parametrize("unit", [0.0, 1e-308, 1e308, float("nan")])
+def test_a_unit_that_is_no_length_is_refused(tmp_path: Path, unit: float) -> None:
+    path = tmp_path / "library.toml"
+    path.write_text(f'data_set = "a"\nformat = "positions"\nskeleton = "aist"\nunits_m = {unit}\n')
+    with pytest.raises(InputError, match=r"library\.toml, line 4, units_m"):
+        named_recipe(path)

@@ -8,7 +8,7 @@ import lzma
 import pytest
 
 from studykit.core.errors import InputError
-from studykit.io.packed import read_text
+from studykit.io.packed import read_bytes, read_text
 
 TEXT = "HIERARCHY\nROOT Hüfte\n"
 PACKED = {
@@ -54,3 +54,13 @@ def test_a_missing_file_is_named(tmp_path) -> None:
         read_text(tmp_path / "none.bvh")
     with pytest.raises(InputError, match="cannot be read"):
         read_text(tmp_path)
+
+
+@pytest.mark.parametrize(("ending", "pack"), [(".xz", lzma.compress), (".gz", gzip.compress)])
+def test_what_unpacks_to_far_more_than_a_recording_is_refused(tmp_path, ending, pack) -> None:
+    path = tmp_path / f"a.bvh{ending}"
+    path.write_bytes(pack(b"0 " * 2**22))  # 8 MiB: as small as a take that is nothing but a T-pose
+    assert len(read_bytes(path)) == 2**23
+    path.write_bytes(pack(b"0 " * 2**23))
+    with pytest.raises(InputError, match=r"a\.bvh\.\w\w: holds more than 8 MiB"):
+        read_bytes(path)

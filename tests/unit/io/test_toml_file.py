@@ -181,3 +181,34 @@ def test_difficult_texts_survive(tmp_path: Path) -> None:
     path = tmp_path / "outer.toml"
     path.write_text(model_text(outer), encoding="utf-8")
     assert read_model(path, Outer) == outer
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["count = " + "[" * 3000, "count = " + "{a=" * 3000, "a." * 3000 + "a = 1", "count = " + "9" * 5000],
+    ids=["brackets", "tables", "dots", "digits"],
+)
+def test_what_nests_or_counts_beyond_all_reason_is_refused(read, text: str) -> None:
+    with pytest.raises(InputError, match=r"settings\.toml: a number is too long or brackets are nested"):
+        read(text)
+
+
+def test_many_mistakes_do_not_take_for_ever(read) -> None:
+    fields = "".join(f"a{number} = 1\n" for number in range(1500))
+    with pytest.raises(InputError, match=r"line 1, a0: the field"):
+        read(fields)
+    with pytest.raises(InputError, match=r"line 1501, count: "):
+        read("# nothing\n" * 1500 + "count = 'a'\n[inner]\ntext = 'a'\n")
+    with pytest.raises(InputError, match=r"line 2: this is not valid TOML"):
+        read("count = 1\nx = [\n" + "1,\n" * 5000)
+
+
+def test_a_line_end_in_a_name_does_not_break_the_sentence(read) -> None:
+    with pytest.raises(InputError) as caught:
+        read('count = 1\n"a\\nb" = 1\n[inner]\ntext = "a"\n')
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_path_that_no_file_can_have_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no file can be called that"):
+        read_model(tmp_path / "a\0.toml", Outer)
