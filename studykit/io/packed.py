@@ -14,7 +14,7 @@ PACKED = (".xz", ".gz")
 LARGEST_BYTES = 2**30
 """No take is larger than this (an hour at 120 Hz as text); what unpacks to more is not a take."""
 
-SMALL_BYTES = 2**23
+SMALL_BYTES = 2**21
 MOST_UNPACKED = 100
 """How often a recording may hold its packed size once it is not small; real ones hold it up to ten times."""
 

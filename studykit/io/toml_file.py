@@ -53,9 +53,11 @@ def read_model(path: Path | str, model: type[Model]) -> Model:
     text = _text(path)
     data = _parsed(text, path)
     try:
-        return model.model_validate_json(json.dumps(data, default=str), strict=True)
-    except RecursionError:
+        values = json.dumps(data, default=str)
+    except (ValueError, RecursionError):
         raise _too_much(path) from None
+    try:
+        return model.model_validate_json(values, strict=True)
     except ValidationError as error:
         raise _first_problem(error, model, data, text, path) from None
 

@@ -185,8 +185,14 @@ def test_difficult_texts_survive(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["count = " + "[" * 3000, "count = " + "{a=" * 3000, "a." * 3000 + "a = 1", "count = " + "9" * 5000],
-    ids=["brackets", "tables", "dots", "digits"],
+    [
+        "count = " + "[" * 3000,
+        "count = " + "{a=" * 3000,
+        "a." * 3000 + "a = 1",
+        "count = " + "9" * 5000,
+        "count = 0x" + "9" * 5000,
+    ],
+    ids=["brackets", "tables", "dots", "digits", "sixteens"],
 )
 def test_what_nests_or_counts_beyond_all_reason_is_refused(read, text: str) -> None:
     with pytest.raises(InputError, match=r"settings\.toml: a number is too long or brackets are nested"):
