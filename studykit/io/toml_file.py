@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Model = TypeVar("Model", bound=BaseModel)
 FieldPath = tuple[str | int, ...]
 LINE_LENGTH = 110
+_LONGEST_INDEX = 10  # digits; longer ones are a name
 _MOST_CHARACTERS = 300_000
 """Read to find a line; a file in which that takes more is none that a person wrote."""
 _MOST_PROBLEMS = 10
@@ -241,7 +242,10 @@ def _field(problem: ErrorDetails, data: Any) -> FieldPath:
     place = list(problem["loc"])
     cause = problem.get("ctx", {}).get("error")
     if isinstance(cause, InputError) and cause.where:
-        place += [int(part) if part.isdecimal() else part for part in cause.where.split(".")]
+        place += [
+            int(part) if part.isdecimal() and len(part) < _LONGEST_INDEX else part
+            for part in cause.where.split(".")
+        ]
     for number, part in enumerate(place):
         if _holds(data, part):
             data = data[part]

@@ -234,3 +234,10 @@ def test_a_map_that_hangs_the_foot_elsewhere_is_noticed(tmp_path: Path) -> None:
     path.write_text(text)
     with pytest.raises(InputError, match=r"made/up\.bvh: the joint 'lHand' does not hang on 'lShin'"):
         to_smpl(take(), str(path), units_m=0.01)
+
+
+def test_a_joint_called_by_thousands_of_digits_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(f'[joints]\n{"9" * 5000} = "Hips"\n')
+    with pytest.raises(InputError, match=r"mine\.toml, line 2, joints.*SMPL has no joint"):
+        skeleton_map(str(path))
