@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
@@ -173,7 +173,7 @@ class DanceLibrary:
         *,
         linear_energy: tuple[float, float] = (-np.inf, np.inf),
         rotational_energy: tuple[float, float] = (-np.inf, np.inf),
-        **columns: str | bool,
+        **columns: str | bool | Collection[str],
     ) -> Integers:
         """Find segments by what the table of segments says; no array is read.
 
@@ -181,8 +181,8 @@ class DanceLibrary:
         ----------
         linear_energy, rotational_energy : (float, float), J per kg
             Lowest and highest, summed over the poses.
-        **columns : str or bool
-            What other columns must say, such as `genre="salsa"`, `performer="CMU 94"` or `mirrored=False`.
+        **columns : str, bool or several str
+            What other columns must say, such as `genre=["salsa", "indian"]` or `mirrored=False`.
 
         Returns
         -------
@@ -202,7 +202,7 @@ class DanceLibrary:
         good = table["linear_energy"].between(*linear_energy)
         good &= table["rotational_energy"].between(*rotational_energy)
         for name, value in columns.items():
-            good &= table[name] == value
+            good &= table[name].isin([value] if isinstance(value, str | bool) else list(value))
         return np.flatnonzero(good.to_numpy())
 
     def motion(self, segment: int) -> Motion:
@@ -217,7 +217,7 @@ class DanceLibrary:
     def standardised(self, rows: slice | Floats) -> np.ndarray[Any, np.dtype[np.float32]]:
         """Give feature vectors made comparable across channels, shape (row, 11640)."""
         values = self.scaler.standardised(np.asarray(self.features[rows])).astype(np.float32)
-        return values.reshape(len(values), -1)
+        return values.reshape(len(values), int(np.prod(self.features.shape[1:])))
 
     def displacement(self, before: int, after: int) -> float:
         """Give how far the joints jump where one segment follows another (Eq. 3), m."""

@@ -237,6 +237,8 @@ def _novelty(plan: DancePlan, level: Variety, library: DanceLibrary) -> float | 
         return math.inf
     calibration = library.calibration
     share = _variety(plan, level, library) / calibration.median_distance
-    if share >= np.percentile(calibration.chain_varieties, 5.0) / calibration.median_distance:
+    if share >= min(
+        1.0, float(np.percentile(calibration.chain_varieties, 5.0)) / calibration.median_distance
+    ):
         return None
     return share / (1.0 - share)

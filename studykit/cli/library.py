@@ -60,7 +60,9 @@ def build(
     skip: Annotated[
         int | None, typer.Option(min=0, help="Frames to leave out at the start of each file.")
     ] = None,
-    noise_rule: Annotated[str, typer.Option(help="'robust', or 'paper' for the printed rule.")] = "robust",
+    noise_rule: Annotated[
+        Any, typer.Option(click_type=str, help="'robust', or 'paper' for the printed rule.")
+    ] = "robust",
     stride: Annotated[
         float, typer.Option(help="Seconds from one segment to the next; below 4 they overlap.")
     ] = 4.0,
@@ -84,21 +86,10 @@ def build(
     from studykit.library.build import build as build_library
     from studykit.library.measure import Settings
 
-    if noise_rule not in {"robust", "paper"}:
-        raise InputError(
-            f"there is no noise rule {noise_rule!r}", where="--noise-rule", remedy="say robust or paper"
-        )
-    if not 1.0 / 30.0 <= stride < math.inf:
-        raise InputError(f"{stride:g} s is no stride", where="--stride", remedy="say between 0.04 and 4")
     sources = {folder: _recipe(folder, recipe, skeleton, fps or [], skip) for folder in source}
     for folder, own in sources.items():
         show.say(f"{folder}: {len(files_in(folder, own))} files, read as {own.data_set} ({own.format})")
-    settings = Settings(
-        noise_rule="paper" if noise_rule == "paper" else "robust",
-        stride_s=stride,
-        mirrored=mirrored,
-        seed=seed,
-    )
+    settings = Settings(noise_rule=noise_rule, stride_s=stride, mirrored=mirrored, seed=seed)
     with _cluster(dask):
         build_library(
             sources,
@@ -273,6 +264,8 @@ def calibrate(
         index.adopt(library, rated_targets(RatingSheet(ratings, plan).ratings(), plan, open_library(library)))
     elif percentiles:
         index.adopt(library, None)
+    if ratings is not None or percentiles:
+        _page(library)
     if json:
         show.as_json(_facts(library))
     else:
@@ -320,10 +313,10 @@ def _print_calibration(library: Path) -> None:
 
 
 def _facts(library: Path) -> dict[str, Any]:
-    from studykit.library.store import RATED, index_folder, open_library, read_manifest, read_rated
+    from studykit.library.store import open_library, read_manifest, read_rated
 
     calibration, manifest = open_library(library).calibration, read_manifest(library)
-    rated = read_rated(index_folder(library)) if RATED in manifest["files"] else None
+    rated = read_rated(library)
     light, intense = calibration.energies_of("light", 25.0), calibration.energies_of("intense", 75.0)
     return manifest | {
         "targets": {
@@ -356,6 +349,12 @@ def _print_info(library: Path) -> None:
     show.say(
         f"  yield: {kept} of {facts['segments_possible']} possible; the paper's noise rule would keep {paper}"
     )
+    if facts["decisions_ignored"]:
+        show.say(
+            f"  {facts['decisions_ignored']} decisions of a reviewer were made on other versions of takes"
+        )
+    if facts["rated_dropped"]:
+        show.say("  the raters' targets belonged to other segments and hold no more: rate again")
     for kind in ("genres", "performers", "licences"):
         show.say(f"  {kind}: " + ", ".join(f"{name} ({count})" for name, count in facts[kind].items()))
     _print_targets(facts)

@@ -233,6 +233,6 @@ def bvh_text(motion: Motion) -> str:
     joint(0, 0)
     angles = np.rad2deg(rotation.to_euler("ZXY", motion.rotations[:, opened])).reshape(len(motion), -1)
     values = np.concatenate((100.0 * motion.root_positions, angles), axis=1)
-    out.extend(("MOTION", f"Frames: {len(motion)}", f"Frame Time: {1.0 / motion.frame_rate_hz:.8f}"))
+    out.extend(("MOTION", f"Frames: {len(motion)}", f"Frame Time: {1.0 / motion.frame_rate_hz:.12f}"))
     out.extend(" ".join(f"{value:.4f}" for value in row) for row in values)
     return "\n".join(out) + "\n"

@@ -22,7 +22,7 @@ from studykit.motion import kinematics
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.motion.energy import linear_energy
 from studykit.motion.features import KINETIC, FeatureScaler
-from studykit.motion.segmentation import FRAME_RATE_HZ, SEGMENT_FRAMES
+from studykit.motion.segmentation import FRAME_RATE_HZ, SEGMENT_S
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,6 +32,7 @@ CHAINS = 1000
 
 _CHUNK = 256
 _UNIT_SEGMENTS = 400
+_HAIR_S = 0.02  # a segment of 120 frames at 29.97 Hz lasts 4.004 s
 _MEDIAN_POSES = 250_000
 
 
@@ -91,15 +92,17 @@ def calibrate(library: DanceLibrary, rng: np.random.Generator) -> Calibration:
     InputError
         If the library has fewer than eight segments, or only one take.
     """
-    if len(library) < CHAIN_SEGMENTS or library.segments["take"].nunique() < 2:
+    single = side_by_side(library)
+    takes = library.segments["take"].nunique()
+    if len(single) < CHAIN_SEGMENTS or takes < 2:
         raise InputError(
-            f"{len(library)} segments of {library.segments['take'].nunique()} takes are too few to calibrate",
+            f"{len(single)} segments of {takes} takes are too few to calibrate",
             where=library.name,
             remedy=f"give at least {CHAIN_SEGMENTS} segments (32 s) from two takes",
         )
-    chains = _random_chains(library, rng)
+    chains = _random_chains(library, single, rng)
     euclidean, cosine = (SegmentDistances(library, metric) for metric in ("euclidean_z", "cosine"))
-    windows = _windows(library, rng)
+    windows = _windows(library, single, rng)
     return Calibration(
         chain_linear_energies=_sums(library.linear_energies, chains),
         chain_rotational_energies=_sums(library.rotational_energies, chains),
@@ -108,7 +111,7 @@ def calibrate(library: DanceLibrary, rng: np.random.Generator) -> Calibration:
         join_displacements=np.array(
             [library.displacement(a, b) for chain in chains for a, b in pairwise(chain)]
         ),
-        median_distance=_median_distance(library, euclidean, rng),
+        median_distance=_median_distance(library, single, euclidean, rng),
         window_linear_energies=_sums(library.linear_energies, windows),
         window_rotational_energies=_sums(library.rotational_energies, windows),
         window_varieties=_varieties(windows, euclidean),
@@ -123,42 +126,62 @@ def _varieties(chains: Integers, distances: SegmentDistances) -> Floats:
     return np.array([mean_of_pairs(distances.between(chain, chain)) for chain in chains])
 
 
-def _windows(library: DanceLibrary, rng: np.random.Generator) -> Integers:
-    """Eight segments that follow each other in one take, shape (window, 8); at most 1,000 of them."""
+def side_by_side(library: DanceLibrary) -> Integers:
+    """Give the rows of segments that are neither mirrored nor overlap another: every movement once."""
     table = library.segments
     plain = table[~table["mirrored"].to_numpy(dtype=np.bool_)]
-    found = []
+    rows = []
     for _, own in plain.groupby("take", sort=False):
-        frames = np.round(own["start_s"].to_numpy() * FRAME_RATE_HZ).astype(np.int64)
-        row_at = dict(zip(frames.tolist(), own.index.tolist(), strict=True))
-        for start in row_at:
-            followers = [row_at.get(start + step * SEGMENT_FRAMES, -1) for step in range(CHAIN_SEGMENTS)]
-            if -1 not in followers:
-                found.append(followers)
+        ends_s = -np.inf
+        for row, start_s in zip(own.index, own["start_s"], strict=True):
+            if start_s > ends_s - _HAIR_S:
+                rows.append(row)
+                ends_s = start_s + SEGMENT_S
+    return np.sort(np.array(rows, dtype=np.int64))
+
+
+def _windows(library: DanceLibrary, single: Integers, rng: np.random.Generator) -> Integers:
+    """Eight segments that follow each other in one take, shape (window, 8); at most 1,000 of them."""
+    found: list[Any] = []
+    for _, own in library.segments.loc[single].groupby("take", sort=False):
+        follows = np.abs(np.diff(own["start_s"].to_numpy()) - SEGMENT_S) < _HAIR_S
+        rows = own.index.to_numpy()
+        found += [
+            rows[first : first + CHAIN_SEGMENTS]
+            for first in range(len(rows) - CHAIN_SEGMENTS + 1)
+            if follows[first : first + CHAIN_SEGMENTS - 1].all()
+        ]
     windows = np.array(found, dtype=np.int64).reshape(-1, CHAIN_SEGMENTS)
     if len(windows) > CHAINS:
         windows = windows[np.sort(rng.choice(len(windows), size=CHAINS, replace=False))]
     return windows
 
 
-def _random_chains(library: DanceLibrary, rng: np.random.Generator) -> Integers:
+def _random_chains(library: DanceLibrary, single: Integers, rng: np.random.Generator) -> Integers:
     """Segments of one genre in random order, shape (chain, 8); genres by their number of segments."""
-    genres = library.segments["genre"].to_numpy()
-    rows = {genre: np.flatnonzero(genres == genre) for genre in sorted(set(genres))}
-    rows = {genre: own for genre, own in rows.items() if len(own) >= CHAIN_SEGMENTS} or {
-        "all": np.arange(len(library))
-    }
+    genres = library.segments["genre"].to_numpy()[single]
+    rows = {genre: single[genres == genre] for genre in sorted(set(genres))}
+    rows = {genre: own for genre, own in rows.items() if len(own) >= CHAIN_SEGMENTS} or {"all": single}
     sizes = np.array([len(own) for own in rows.values()], dtype=np.float64)
     picks = rng.choice(len(rows), size=CHAINS, p=sizes / sizes.sum())
     lists = list(rows.values())
     return np.array([rng.choice(lists[pick], size=CHAIN_SEGMENTS, replace=False) for pick in picks])
 
 
-def _median_distance(library: DanceLibrary, distances: SegmentDistances, rng: np.random.Generator) -> float:
-    takes = library.segments["take"].to_numpy()
-    pairs = rng.integers(len(library), size=(8 * CHAINS, 2))
-    pairs = pairs[takes[pairs[:, 0]] != takes[pairs[:, 1]]][: 2 * CHAINS]
-    values: Floats = np.array([distances.between([a], [b])[0, 0] for a, b in pairs])
+def _median_distance(
+    library: DanceLibrary, single: Integers, distances: SegmentDistances, rng: np.random.Generator
+) -> float:
+    """Draw pairs of segments of different takes, each segment by chance alone."""
+    order = single[np.argsort(library.segments["take"].to_numpy()[single], kind="stable")]
+    _, firsts, sizes = np.unique(
+        library.segments["take"].to_numpy()[order].astype(str), return_index=True, return_counts=True
+    )
+    own = np.repeat(np.arange(len(sizes)), sizes)
+    picks = rng.integers(len(order), size=2 * CHAINS)
+    # The second segment is counted from the end of the first one's take on, round the circle of all others.
+    steps = (rng.random(len(picks)) * (len(order) - sizes[own[picks]])).astype(np.int64)
+    others = (firsts[own[picks]] + sizes[own[picks]] + steps) % len(order)
+    values = [distances.between([a], [b])[0, 0] for a, b in zip(order[picks], order[others], strict=True)]
     return float(np.median(values))
 
 

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from studykit.core import durable
 from studykit.core.errors import InputError
-from studykit.core.provenance import sha256_of_file, sha256_of_value, versions
+from studykit.core.provenance import sha256_of_bytes, sha256_of_file, sha256_of_value, versions
 from studykit.core.seeding import stream
 from studykit.library import shard, store
 from studykit.library.calibrate import UNCALIBRATED, calibrate, fit_scaler
 from studykit.library.measure import SMALL, Settings
 from studykit.library.origin import Origin
+from studykit.library.rating.plan import segments_digest
 from studykit.library.rating.targets import RatedTargets
 from studykit.library.shard import SegmentRows
 from studykit.motion.segmentation import SEGMENT_S
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from studykit.choreography.dance_library import DanceLibrary
+
+INDEXES = 1
+"""Raised when the same shards give another index, so that older ones are written again."""
 
 Outcome = dict[str, Any]
 """What `build.make_shard` gives of one source, with its `name`, `prefix` and `data_set`."""
@@ -44,7 +49,7 @@ def write(library: Path, outcomes: Sequence[Outcome], origin: Origin, settings: 
     if not kept:
         _refuse(outcomes, origin)
     causes = {
-        "version": store.VERSION,
+        "indexes": INDEXES,
         "shards": [told.get("key") or told["refused"] for told in outcomes],
         "names": [told["name"] for told in outcomes],
         "origin": asdict(origin),
@@ -52,33 +57,50 @@ def write(library: Path, outcomes: Sequence[Outcome], origin: Origin, settings: 
         "versions": versions(),
     }
     folder = library / f"index-{sha256_of_value(causes)[:12]}"
-    if not (folder.exists() and _in_use(library) == folder.name):
+    older = store.read_manifest(library) if (library / store.MANIFEST).exists() else None
+    if older is None or older["index"] != folder.name or not _is_intact(folder, older):
         partial = folder.with_name(f"{folder.name}.partial")
         shutil.rmtree(partial, ignore_errors=True)
         partial.mkdir()
         manifest = _write_files(library, partial, outcomes, origin, seed=settings.seed)
         manifest |= {**asdict(settings), "index": folder.name}
-        for path in partial.iterdir():
-            _put_on_disk(path)
+        manifest |= _carried_over(library, older, partial, manifest)
+        durable.settle(partial)
         shutil.rmtree(folder, ignore_errors=True)
         partial.rename(folder)
         put_manifest(library, manifest)
     _clean(library, folder.name, {told["key"] for told in outcomes if "key" in told})
 
 
-def _refuse(outcomes: Sequence[Outcome], origin: Origin) -> None:
-    refused = [told["refused"] for told in outcomes if "refused" in told]
-    if refused and len(refused) == len(outcomes):
-        raise InputError(refused[0]["problem"], where=refused[0]["where"], remedy=refused[0]["remedy"])
-    raise InputError(
-        "no segment is left after cleaning", where=origin.name, remedy="give longer or cleaner takes"
+def _is_intact(folder: Path, manifest: dict[str, Any]) -> bool:
+    return all(
+        (folder / name).exists() and sha256_of_file(folder / name) == digest
+        for name, digest in manifest["files"].items()
     )
 
 
-def _in_use(library: Path) -> str | None:
-    if not (library / store.MANIFEST).exists():
-        return None
-    return str(store.read_manifest(library)["index"])
+def _carried_over(
+    library: Path, older: dict[str, Any] | None, partial: Path, manifest: dict[str, Any]
+) -> dict[str, Any]:
+    """Keep the raters' targets where the segments are those that were rated; else say that they are gone."""
+    rated = older["rated"] if older else None
+    if older is None or rated is None:
+        return {}
+    if older["segments_digest"] != manifest["segments_digest"]:
+        return {"rated_dropped": True}
+    shutil.copyfile(library / older["index"] / rated, partial / rated)
+    files = manifest["files"] | {rated: older["files"][rated]}
+    return {"rated": rated, "files": files, "sha256": sha256_of_value(files)}
+
+
+def _refuse(outcomes: Sequence[Outcome], origin: Origin) -> None:
+    refused = [told for told in outcomes if "refused" in told]
+    if refused and len(refused) == len(outcomes):
+        first = refused[0]["refused"]
+        raise InputError(first["problem"], where=refused[0]["refused_at"], remedy=first["remedy"])
+    raise InputError(
+        "no segment is left after cleaning", where=origin.name, remedy="give longer or cleaner takes"
+    )
 
 
 def _write_files(
@@ -89,8 +111,8 @@ def _write_files(
         told["key"]: {
             "prefix": told["prefix"],
             "segments": sum(len(take["starts_s"]) for take in told["takes"]),
-            "size": told["sizes"].get(f"{told['key']}.npy"),
-            "sha256": told["sha256"].get(f"{told['key']}.npy"),
+            "sizes": told["sizes"],
+            "sha256": told["sha256"],
         }
         for told in outcomes
         if "key" in told
@@ -132,6 +154,7 @@ def segment_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
             "partners", "take_sha256",
         )
     }  # fmt: skip
+    names = _names(outcomes)
     for told in outcomes:
         for take in told["takes"]:
             source, count = take["source"], len(take["starts_s"])
@@ -140,13 +163,18 @@ def segment_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
                 columns[name] += [source[name]] * count
             columns["start_s"] += take["starts_s"]
             columns["mirrored"] += take["is_mirrored"]
-            columns["partners"] += [_joined(told, source["partners"])] * count
+            columns["partners"] += [_partners(told, source["partners"], names)] * count
             columns["take_sha256"] += [source["sha256"]] * count
     return pd.DataFrame({"id": np.arange(len(columns["take"])), **columns})
 
 
-def _joined(told: Outcome, names: Sequence[str]) -> str:
-    return " ".join(told["prefix"] + name for name in names)
+def _names(outcomes: Sequence[Outcome]) -> set[str]:
+    return {told["prefix"] + take["name"] for told in outcomes for take in told["takes"]}
+
+
+def _partners(told: Outcome, partners: Sequence[str], names: set[str]) -> str:
+    """Name the takes of the library that were danced together with one."""
+    return "; ".join(name for one in partners if (name := told["prefix"] + one) in names)
 
 
 def take_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
@@ -154,6 +182,7 @@ def take_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
     import pandas as pd
 
     rows: list[dict[str, Any]] = []
+    names = _names(outcomes)
     for told in outcomes:
         if "refused" in told:
             refused = told["refused"]
@@ -167,7 +196,7 @@ def take_table(outcomes: Sequence[Outcome]) -> pd.DataFrame:
             rows.append(
                 {"take": told["prefix"] + take["name"]}
                 | source
-                | {"partners": _joined(told, take["source"]["partners"])}
+                | {"partners": _partners(told, take["source"]["partners"], names)}
                 | {"notes": take["source"]["notes"]}
                 | {"status": "kept" if kept else "empty", "reason": "" if kept else _why(take["outcome"])}
                 | take["outcome"]
@@ -195,15 +224,19 @@ def _manifest(folder: Path, library: DanceLibrary, takes: pd.DataFrame, origin: 
         "version": store.VERSION,
         "name": origin.name,
         "sha256": sha256_of_value(files),
+        "segments_digest": segments_digest(library),
+        "rated": None,
+        "rated_dropped": False,
         "is_synthetic": library.is_synthetic,
         "segments": len(library),
-        "hours": round(len(library) * SEGMENT_S / 3600.0, 6),
+        "hours": round(int(used["segments_kept"].sum()) * SEGMENT_S / 3600.0, 6),
         "takes": len(used),
         "takes_refused": int((takes["status"] == "refused").sum()),
         "recorded_hours": round(float(used["duration_s"].sum()) / 3600.0, 6),
         "segments_kept": int(used["segments_kept"].sum()),
         "segments_possible": int(used["segments_possible"].sum()),
         "segments_paper": int(used["segments_paper"].sum()),
+        "decisions_ignored": int(used["decisions_ignored"].sum()),
         **{f"{name}s": counts(name) for name in ("data_set", "genre", "performer", "licence")},
         "origin": asdict(origin),
         "files": files,
@@ -211,20 +244,9 @@ def _manifest(folder: Path, library: DanceLibrary, takes: pd.DataFrame, origin: 
     }
 
 
-def _put_on_disk(path: Path) -> None:
-    with path.open("rb") as file:
-        os.fsync(file.fileno())
-
-
 def put_manifest(library: Path, manifest: dict[str, Any]) -> None:
     """Make a library what its manifest says, at one stroke: until now it was the older one."""
-    path = library / store.MANIFEST
-    partial = path.with_name(f"{path.name}.partial")
-    with partial.open("w", encoding="utf-8") as file:
-        file.write(json.dumps(manifest, indent=1, ensure_ascii=False) + "\n")
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)
+    durable.put(library / store.MANIFEST, json.dumps(manifest, indent=1, ensure_ascii=False) + "\n")
 
 
 def adopt(library: Path, rated: RatedTargets | None) -> None:
@@ -238,25 +260,36 @@ def adopt(library: Path, rated: RatedTargets | None) -> None:
         What the raters said; None takes it back.
     """
     manifest = store.read_manifest(library)
-    folder = library / manifest["index"]
-    files = {name: digest for name, digest in manifest["files"].items() if name != store.RATED}
+    folder, older = library / manifest["index"], manifest["rated"]
+    files = {name: digest for name, digest in manifest["files"].items() if name != older}
+    name = None
     if rated is not None:
-        path = folder / store.RATED
-        path.write_text(json.dumps(rated.as_dict(), indent=1) + "\n", encoding="utf-8")
-        _put_on_disk(path)
-        files[store.RATED] = sha256_of_file(path)
-    # The manifest says whether the file counts, and is replaced at one stroke.
-    put_manifest(library, manifest | {"files": files, "sha256": sha256_of_value(files)})
-    if rated is None:
-        (folder / store.RATED).unlink(missing_ok=True)
+        text = json.dumps(rated.as_dict(), indent=1) + "\n"
+        name = f"rated-targets-{sha256_of_bytes(text.encode())[:12]}.json"
+        durable.put(folder / name, text)
+        files[name] = sha256_of_bytes(text.encode())
+    changed = {"rated": name, "rated_dropped": False, "files": files, "sha256": sha256_of_value(files)}
+    put_manifest(library, manifest | changed)
+    if older not in (None, name):
+        (folder / older).unlink(missing_ok=True)
 
 
 def _clean(library: Path, index: str, keys: set[str]) -> None:
-    """Remove what the index in use does not need: older indexes, other shards, half-written files."""
+    """Remove what the index in use does not need: older indexes, other shards, half-written files.
+
+    Nothing that a build did not make is touched. What cannot be removed now is removed by the next build.
+    """
     for path in library.iterdir():
-        if path.name.startswith("index-") and path.name != index:
-            shutil.rmtree(path)
+        if store.is_index(path) and path.name != index:
+            shutil.rmtree(path, ignore_errors=True)
+        elif path.name.startswith(f"{store.MANIFEST}.") and path.suffix == ".partial":
+            _remove(path)
     for path in (library / shard.FOLDER).iterdir():
-        if path.name.partition(".")[0] not in keys or path.suffix == ".partial":
-            path.unlink()
-    (library / f"{store.MANIFEST}.partial").unlink(missing_ok=True)
+        is_needed = path.name.partition(".")[0] in keys and path.suffix != ".partial"
+        if shard.is_part(path) and not is_needed:
+            _remove(path)
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        path.unlink()

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
 from studykit.core.arrays import Booleans, Floats
+from studykit.core.errors import InputError
 from studykit.motion import cleaning, energy, features, kinematics, rotation
 from studykit.motion.mirroring import mirrored
 from studykit.motion.motion import Motion
-from studykit.motion.resampling import resampled
+from studykit.motion.resampling import every_nth, resampled
 from studykit.motion.segmentation import FRAME_RATE_HZ, SEGMENT_FRAMES, SEGMENT_S, cut, segment_starts
 from studykit.motion.skeleton import JOINT_NAMES
 
@@ -60,6 +61,18 @@ class Settings:
     mirrored: bool = False
     seed: int = 0
 
+    def __post_init__(self) -> None:
+        if self.noise_rule not in get_args(cleaning.NoiseRule):
+            raise InputError(
+                f"there is no noise rule {self.noise_rule!r}",
+                where="noise_rule",
+                remedy="say robust or paper",
+            )
+        if not 1.0 / FRAME_RATE_HZ <= self.stride_s <= SEGMENT_S:
+            raise InputError(
+                f"a stride of {self.stride_s:g} s", where="stride", remedy="say between 0.04 and 4 s"
+            )
+
     def of_a_take(self) -> dict[str, Any]:
         """Give what a single take's segments depend on."""
         return {name: getattr(self, name) for name in ("noise_rule", "stride_s", "mirrored")}
@@ -78,8 +91,8 @@ class Measured:
     arrays : dict of str to ndarray
         What `LARGE` and `SMALL` name, one row a segment.
     outcome : dict
-        What became of the take: `duration_s`, `segments_possible`, `segments_kept`, `segments_paper`,
-        `frames_RULE` for each rule, `frames_kept_by_hand`, `frames_cut_by_hand`.
+        What became of the take: `duration_s`, `frame_rate_hz`, `segments_possible`, `segments_kept`,
+        `segments_paper`, `frames_RULE` for each rule, `frames_kept_by_hand`, `frames_cut_by_hand`.
     findings : list of dict
         Flagged stretches: `start_s`, `stop_s`, `rule` and the `joint` that broke it most.
     """
@@ -104,10 +117,12 @@ def measured(take: Motion, settings: Settings, decisions: Sequence[Decision] = (
         A reviewer's words; they go before the rule, and a later one before an earlier one.
     """
     motion = resampled(take, FRAME_RATE_HZ)
+    # Where every n-th frame is taken, a frame lasts as long as n of the take's.
+    frame_s = (every_nth(take.frame_rate_hz, FRAME_RATE_HZ) or 0) / take.frame_rate_hz or 1.0 / FRAME_RATE_HZ
     positions = kinematics.centred_positions(motion.skeleton, motion.rotations)
     excess = cleaning.excesses(positions, motion.root_positions, FRAME_RATE_HZ)
     flagged = cleaning.flagged(excess, settings.noise_rule)
-    bad = _decided(flagged, decisions)
+    bad = _decided(flagged, decisions, frame_s)
     runs = cleaning.clean_runs(bad)
     stride_frames = round(settings.stride_s * FRAME_RATE_HZ)
     starts = np.array(segment_starts(runs, stride_frames=stride_frames), dtype=np.int64)
@@ -121,6 +136,7 @@ def measured(take: Motion, settings: Settings, decisions: Sequence[Decision] = (
     whole = len(motion) // SEGMENT_FRAMES
     outcome = {
         "duration_s": round(take.duration_s, 6),
+        "frame_rate_hz": round(take.frame_rate_hz, 6),
         "segments_possible": whole,
         "segments_kept": len(segment_starts(runs)),  # side by side, comparable to the others
         "segments_paper": len(segment_starts(cleaning.clean_runs(cleaning.flagged(excess, "paper")))),
@@ -129,24 +145,24 @@ def measured(take: Motion, settings: Settings, decisions: Sequence[Decision] = (
         "frames_cut_by_hand": int((bad & ~flagged).sum()),
     }
     return Measured(
-        starts_s=np.tile(starts / FRAME_RATE_HZ, copies),
+        starts_s=np.tile(starts * frame_s, copies),
         is_mirrored=np.repeat(np.arange(copies, dtype=np.bool_), len(starts)),
         arrays={key: np.concatenate([part[key] for part in parts]) for key in parts[0]},
         outcome=outcome,
-        findings=_findings(excess, settings.noise_rule),
+        findings=_findings(excess, settings.noise_rule, frame_s),
     )
 
 
-def _decided(flagged: Booleans, decisions: Sequence[Decision]) -> Booleans:
+def _decided(flagged: Booleans, decisions: Sequence[Decision], frame_s: float) -> Booleans:
     bad = np.array(flagged)
     for start_s, stop_s, decision in decisions:
         # From the first frame at or after the start to the last before the end; times may be rounded.
-        first, last = (int(np.ceil(time * FRAME_RATE_HZ - 1e-3)) for time in (start_s, stop_s))
+        first, last = (int(np.ceil(time / frame_s - 1e-3)) for time in (start_s, stop_s))
         bad[max(first, 0) : max(last, 0)] = decision == "cut"
     return bad
 
 
-def _findings(excess: Mapping[str, Floats], noise_rule: str) -> list[dict[str, Any]]:
+def _findings(excess: Mapping[str, Floats], noise_rule: str, frame_s: float) -> list[dict[str, Any]]:
     found = []
     for rule, over in excess.items():
         if (rule == "paper") != (noise_rule == "paper"):
@@ -155,8 +171,8 @@ def _findings(excess: Mapping[str, Floats], noise_rule: str) -> list[dict[str, A
             worst = int(np.argmax(over[start:stop].max(axis=0)))
             found.append(
                 {
-                    "start_s": start / FRAME_RATE_HZ,
-                    "stop_s": stop / FRAME_RATE_HZ,
+                    "start_s": start * frame_s,
+                    "stop_s": stop * frame_s,
                     "rule": rule,
                     "joint": JOINT_NAMES[worst],
                 }

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Origin:
-    """What is written down of where a library comes from.
+    """What is written down of where a library comes from; names no place on a machine.
 
     Parameters
     ----------
     name : str
         What the library is called.
-    folders : dict of str to dict
-        The folders of takes and the recipes by which they were read.
+    data_sets : tuple of str
+        Whose takes it holds.
     citations : dict of str to str
         What to cite, by data set.
-    synthetic_seed : int or None
-        The seed of a library that studykit made up.
+    synthetic : dict of str to int or None
+        Seed and number of segments of a library that studykit made up.
     """
 
     name: str
-    folders: dict[str, dict[str, Any]] = field(default_factory=dict)
+    data_sets: tuple[str, ...] = ()
     citations: dict[str, str] = field(default_factory=dict)
-    synthetic_seed: int | None = None
+    synthetic: dict[str, int] | None = None
 
     def continues(self, older: Origin) -> bool:
         """Tell whether a library of this origin may take the place of an older one: it holds all of that."""
-        return self.synthetic_seed == older.synthetic_seed and set(older.folders) <= set(self.folders)
+        seeds = [one.synthetic["seed"] if one.synthetic else None for one in (self, older)]
+        return seeds[0] == seeds[1] and set(older.data_sets) <= set(self.data_sets)

@@ -203,7 +203,12 @@ def make_sample(
     return build_from(
         synthetic_takes(segments, seed),
         out,
-        Origin(name=DATA_SET, synthetic_seed=seed, citations={DATA_SET: ""}),
+        Origin(
+            name=DATA_SET,
+            data_sets=(DATA_SET,),
+            citations={DATA_SET: ""},
+            synthetic={"count_segments": segments, "seed": seed},
+        ),
         settings=Settings(seed=seed),
         workers=workers,
         progress=progress,

@@ -7,7 +7,7 @@ that are not there yet: a new take rewrites nothing, and an interrupted build go
 from __future__ import annotations
 
 import json
-import os
+import re
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import lru_cache
@@ -16,7 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from studykit.core.provenance import canonical_json, sha256_of_file
+from studykit.core import durable
+from studykit.core.errors import InputError
+from studykit.core.provenance import canonical_json, sha256_of_file, sha256_of_value, versions
 from studykit.io.datasets.take import Take
 from studykit.library.measure import LARGE, SMALL, Measured
 
@@ -40,14 +42,31 @@ def outcome_path(library: Path, key: str) -> Path:
     return library / FOLDER / f"{key}.json"
 
 
+def is_part(path: Path) -> bool:
+    """Tell whether this is a file of a shard, whole or not."""
+    return re.fullmatch(r"[0-9a-f]{32}(\.small)?\.(npy|json)(\.\d+\.partial)?", path.name) is not None
+
+
+def told(library: Path, key: str) -> dict[str, Any]:
+    """Read what became of the takes of a shard that is in use."""
+    said: dict[str, Any] = json.loads(outcome_path(library, key).read_text(encoding="utf-8"))
+    return said
+
+
 def outcome(library: Path, key: str) -> dict[str, Any] | None:
-    """Give what became of the takes of a shard, or None if it is not there, or not whole."""
+    """Give what became of the takes of a shard, or None if it is not there or not what was written."""
     try:
-        told: dict[str, Any] = json.loads(outcome_path(library, key).read_text(encoding="utf-8"))
-        whole = all((library / FOLDER / name).stat().st_size == size for name, size in told["sizes"].items())
+        said = told(library, key)
+        whole = all(sha256_of_file(library / FOLDER / name) == sha for name, sha in said["sha256"].items())
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
-    return told if whole else None
+    return said if whole else None
+
+
+def basis(take: Take) -> str:
+    """Tell one reading of a take from another, by file, rate and frames skipped: 12 hexadecimal digits."""
+    motion = take.motion
+    return sha256_of_value([take.source.sha256, round(motion.frame_rate_hz, 9), len(motion)])[:12]
 
 
 def write(library: Path, key: str, takes: Sequence[tuple[Take, Measured]]) -> dict[str, Any]:
@@ -62,21 +81,22 @@ def write(library: Path, key: str, takes: Sequence[tuple[Take, Measured]]) -> di
     takes : sequence of (Take, Measured)
         The dancers of one file and their segments.
     """
-    (library / FOLDER).mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     if any(len(one.starts_s) for _, one in takes):
         for path, row in ((large_path(library, key), _LARGE_ROW), (small_path(library, key), _SMALL_ROW)):
             rows = np.zeros(sum(len(one.starts_s) for _, one in takes), dtype=row)
             for name in row.names or ():
                 rows[name] = np.concatenate([one.arrays[name] for _, one in takes])
-            _replace(path, rows)
+            durable.put_array(path, rows)
             files.append(path)
-    told = {
+    said = {
         "sizes": {path.name: path.stat().st_size for path in files},
         "sha256": {path.name: sha256_of_file(path) for path in files},
+        "versions": versions(),
         "takes": [
             {
                 "name": take.name,
+                "basis": basis(take),
                 "source": asdict(take.source),
                 "starts_s": one.starts_s.tolist(),
                 "is_mirrored": one.is_mirrored.tolist(),
@@ -86,22 +106,8 @@ def write(library: Path, key: str, takes: Sequence[tuple[Take, Measured]]) -> di
             for take, one in takes
         ],
     }
-    _replace(outcome_path(library, key), canonical_json(told).encode())
-    loaded: dict[str, Any] = json.loads(canonical_json(told))
-    return loaded
-
-
-def _replace(path: Path, content: Any) -> None:
-    """Write a file under a name of this process, then give it its own: it is whole or not there."""
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    with partial.open("wb") as file:
-        if isinstance(content, bytes):
-            file.write(content)
-        else:
-            np.save(file, content, allow_pickle=False)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)
+    durable.put(outcome_path(library, key), canonical_json(said))
+    return told(library, key)
 
 
 @lru_cache(maxsize=256)
@@ -136,8 +142,10 @@ class SegmentRows:
 
     def __getitem__(self, rows: int | slice | Sequence[int] | np.ndarray[Any, Any]) -> Any:
         """Read rows: one for an integer, else a copy of several in the order asked for."""
-        numbers = np.arange(len(self))[np.asarray(rows) if not isinstance(rows, slice) else rows]
+        numbers = np.arange(len(self))[rows if isinstance(rows, slice) else _integers(rows)]
         wanted = np.atleast_1d(numbers)
+        if wanted.ndim > 1:
+            raise IndexError("rows are asked for by one number, several in a row, or a slice")
         out = np.empty((len(wanted), *self.shape[1:]), dtype=self.dtype)
         shards = np.searchsorted(self._ends, wanted, side="right")
         for shard in np.unique(shards):
@@ -147,4 +155,13 @@ class SegmentRows:
         return out if np.ndim(numbers) else out[0]
 
     def _file(self, shard: int) -> Any:
-        return _mapped(large_path(self._library, self._keys[shard]))
+        try:
+            return _mapped(large_path(self._library, self._keys[shard]))
+        except FileNotFoundError as error:
+            remedy = "open it again"
+            raise InputError("was built again meanwhile", where=self._library, remedy=remedy) from error
+
+
+def _integers(rows: Any) -> Any:
+    asked = np.asarray(rows)
+    return asked if asked.size else asked.astype(np.int64)

@@ -13,7 +13,7 @@ from studykit.io.datasets.recipe import Recipe
 from studykit.io.datasets.take import Take
 
 # What a recipe says of other files, too: a new rule for one take must not read the others again.
-_NOT_OF_ONE_FILE = {"takes", "frame_rates_hz", "groups", "recognised_by"}
+_NOT_OF_ONE_FILE = {"takes", "frame_rates_hz", "groups", "recognised_by", "citation", "skeleton"}
 
 
 class Source(Protocol):
@@ -68,18 +68,23 @@ class TakeFile:
         return self.recipe.data_set
 
     def digest(self) -> str:
-        """Digest the file, what is read along with it, and the recipe."""
-        companions = DATASETS[self.recipe.format].companions(self.path)
-        plain = plain_path(self.path, self.folder)
-        rule = self.recipe.rule(plain)
+        """Digest the file, what is read along with it, and what the recipe says of it."""
+        recipe, plain = self.recipe, plain_path(self.path, self.folder)
+        rule, own_map = recipe.rule(plain), Path(recipe.skeleton)
+        companions = DATASETS[recipe.format].companions(self.path)
         return sha256_of_value(
             {
                 "name": self.name,
-                "files": [sha256_of_file(path) for path in (self.path, *companions) if path.exists()],
-                "recipe": self.recipe.model_dump(mode="json", exclude=_NOT_OF_ONE_FILE),
-                "rule": [rule.model_dump(mode="json") if rule else None, self.recipe.frame_rate(plain)],
-                "partners": self.recipe.partners(self.name),
-                "map": sha256_of_file(own_map) if (own_map := Path(self.recipe.skeleton)).is_file() else "",
+                "file": sha256_of_file(self.path),
+                "companions": {one.name: sha256_of_file(one) for one in companions if one.exists()},
+                "recipe": recipe.model_dump(mode="json", exclude=_NOT_OF_ONE_FILE),
+                "skeleton": sha256_of_file(own_map) if own_map.is_file() else recipe.skeleton,
+                "rule": [rule.model_dump(mode="json") if rule else None, recipe.frame_rate(plain)],
+                "groups": [
+                    group
+                    for group in recipe.groups
+                    if any(name == self.name or name.startswith(f"{self.name}/") for name in group)
+                ],
             }
         )
 

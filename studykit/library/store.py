@@ -8,9 +8,10 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,8 +20,10 @@ from zipfile import BadZipFile
 import numpy as np
 
 from studykit.choreography.dance_library import Calibration, DanceLibrary
+from studykit.core import durable
 from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_file
+from studykit.io.datasets.recipe import Recipe
 from studykit.library import shard
 from studykit.library.measure import LARGE, SMALL
 from studykit.library.origin import Origin
@@ -37,51 +40,70 @@ SEGMENTS = "segments.parquet"
 TAKES = "takes.csv"
 SHARDS = "shards.json"
 CALIBRATION = "calibration.npz"
-RATED = "rated-targets.json"
+SOURCES = "sources.json"
+LOCK = "building.lock"
 
 _SCALER = ("kinetic_medians", "means", "deviations")
 _AGAIN = "build it again"
 
 
+def beside(library: Path, ending: str) -> Path:
+    """Name a file that belongs to a library and lies beside its folder, so that it outlives it."""
+    folder = library.resolve()
+    return folder.with_name(f"{folder.name}.{ending}")
+
+
 @contextmanager
 def folder_to_build(out: Path, origin: Origin) -> Iterator[None]:
-    """Make the folder of a library, or take up the one that is there.
+    """Make the folder of a library, or take up the one that is there; no other build works on it meanwhile.
 
     What cannot be built leaves nothing behind; what was interrupted stays, so that it can go on.
 
     Raises
     ------
     InputError
-        If something else is in the folder, or it cannot be written.
+        If something else is in the folder, another build is at work on it, or it cannot be written.
     """
-    made: Path | None = None
+    from filelock import FileLock, Timeout
+
     if out.exists():
         _require_continuation(out, origin)
+    made = [path for path in (out, *out.parents) if not path.exists()]
+    lock = FileLock(out / LOCK, blocking=False)
     try:
-        if not out.exists():
-            made = next(path for path in (*reversed(out.parents), out) if not path.exists())
         (out / shard.FOLDER).mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except Timeout as error:
+        remedy = "wait until it is done"
+        raise InputError("another build is at work on it", where=out, remedy=remedy) from error
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
             f"cannot be written ({reason})", where=out, remedy="choose another folder"
         ) from error
     try:
-        yield
+        with lock:
+            yield
     except InputError:
-        if made is not None:
-            shutil.rmtree(made, ignore_errors=True)
+        if made:
+            shutil.rmtree(out, ignore_errors=True)
+            for parent in made[1:]:
+                with suppress(OSError):  # somebody else has put something there
+                    parent.rmdir()
         raise
 
 
 def _require_continuation(out: Path, origin: Origin) -> None:
-    remedy = "choose another folder or remove it"
     if not (out / MANIFEST).exists():
-        # What an interrupted build leaves: shards, perhaps an index without a manifest.
-        if out.is_dir() and all(_is_ours(path) for path in out.iterdir()):
+        if out.is_dir() and all(_is_ours(path) for path in out.iterdir() if not path.name.startswith(".")):
             return
+        remedy = "choose another folder or remove it"
         raise InputError("there is something already", where=out, remedy=remedy)
-    manifest = read_manifest(out)
+    try:
+        manifest = read_manifest(out)
+    except InputError as error:
+        remedy = "remove it and build it again, or choose another folder"
+        raise InputError(error.problem, where=error.where, remedy=remedy) from error
     if not origin.continues(Origin(**manifest["origin"])):
         raise InputError(
             f"holds a library of other takes ({manifest['name']})",
@@ -91,10 +113,18 @@ def _require_continuation(out: Path, origin: Origin) -> None:
 
 
 def _is_ours(path: Path) -> bool:
-    return path.name == shard.FOLDER or path.name.startswith(("index-", MANIFEST))
+    """Tell whether an interrupted build left this."""
+    if path.name == shard.FOLDER:
+        return path.is_dir() and all(shard.is_part(part) for part in path.iterdir())
+    return path.name == LOCK or is_index(path) or path.name.startswith(f"{MANIFEST}.")
 
 
-def read_manifest(library: Path) -> dict[str, Any]:
+def is_index(path: Path) -> bool:
+    """Tell whether this is an index that a build made, whole or not."""
+    return re.fullmatch(r"index-[0-9a-f]{12}(\.partial)?", path.name) is not None
+
+
+def read_manifest(library: str | Path) -> dict[str, Any]:
     """Read what a library says of itself.
 
     Raises
@@ -102,6 +132,7 @@ def read_manifest(library: Path) -> dict[str, Any]:
     InputError
         If the folder is not a library of this version, or its build was interrupted.
     """
+    library = Path(library)
     path = library / MANIFEST
     if (library / shard.FOLDER).is_dir() and not path.exists():
         remedy = "run the same build again: it goes on where it was"
@@ -114,7 +145,9 @@ def read_manifest(library: Path) -> dict[str, Any]:
         raise InputError("not a dance library", where=library, remedy=remedy) from None
     if version != VERSION:
         raise InputError(
-            f"a library of version {version}, this studykit reads {VERSION}", where=path, remedy=_AGAIN
+            f"a library of version {version}, this studykit reads {VERSION}",
+            where=path,
+            remedy="remove the library and build it again",
         )
     return manifest
 
@@ -125,21 +158,21 @@ def read_shards(index: Path) -> dict[str, dict[str, Any]]:
     return shards
 
 
-def read_takes(library: Path) -> pd.DataFrame:
+def read_takes(library: str | Path) -> pd.DataFrame:
     """Read what became of every take of a library, and why where nothing did; one row a take.
 
     Returns
     -------
     DataFrame
         `take, data_set, performer, genre, licence, partners, notes, status, reason, duration_s,
-        segments_possible, segments_kept, segments_paper, frames_RULE, frames_kept_by_hand,
+        frame_rate_hz, segments_possible, segments_kept, segments_paper, frames_RULE, frames_kept_by_hand,
         frames_cut_by_hand`; counts are missing where the status is "refused".
     """
     import pandas as pd
 
     table = pd.read_csv(index_folder(library) / TAKES, keep_default_na=False, dtype=str)
     counts = [name for name in table if str(name).startswith(("segments_", "frames_"))]
-    numbers = table[[*counts, "duration_s"]].apply(pd.to_numeric, errors="coerce")
+    numbers = table[[*counts, "duration_s", "frame_rate_hz"]].apply(pd.to_numeric, errors="coerce")
     return table.assign(**numbers.astype(dict.fromkeys(counts, "Int64")))
 
 
@@ -162,9 +195,32 @@ def read_calibration(path: Path) -> tuple[FeatureScaler, Calibration]:
     return scaler, calibration
 
 
-def read_rated(index: Path) -> RatedTargets:
-    """Read the raters' targets of an index."""
-    return RatedTargets.from_dict(json.loads((index / RATED).read_text(encoding="utf-8")))
+def read_rated(library: Path) -> RatedTargets | None:
+    """Read the raters' targets of a library, or None where its percentiles hold."""
+    manifest = read_manifest(library)
+    if manifest["rated"] is None:
+        return None
+    path = library / manifest["index"] / manifest["rated"]
+    if sha256_of_file(path) != manifest["files"][path.name]:
+        raise ValueError(f"{path.name} is not what was written")
+    return RatedTargets.from_dict(json.loads(path.read_text(encoding="utf-8")))
+
+
+def write_folders(library: Path, folders: Mapping[str, Recipe]) -> None:
+    """Remember, beside a library, which folders it was built from; no place is named within it."""
+    told = {
+        folder: recipe.model_dump(mode="json", exclude_defaults=True) for folder, recipe in folders.items()
+    }
+    durable.put(beside(library, SOURCES), json.dumps(told, indent=1, ensure_ascii=False) + "\n")
+
+
+def read_folders(library: Path) -> dict[str, Recipe]:
+    """Give the folders that a library was built from, and how each was read; none if nobody knows."""
+    path = beside(library, SOURCES)
+    if not path.exists():
+        return {}
+    told = json.loads(path.read_text(encoding="utf-8"))
+    return {folder: Recipe.model_validate(recipe) for folder, recipe in told.items()}
 
 
 def load(
@@ -182,9 +238,10 @@ def load(
     arrays |= {key: SegmentRows(library, key, keys, counts) for key in LARGE}
     if any(len(array) != len(segments) for array in arrays.values()):
         raise ValueError("arrays of different length")
-    for key, one in shards.items():
-        if one["segments"] and shard.large_path(library, key).stat().st_size != one["size"]:
-            raise ValueError(f"{shard.FOLDER}/{key}.npy is cut off")
+    for one in shards.values():
+        for file, size in one["sizes"].items():
+            if (library / shard.FOLDER / file).stat().st_size != size:
+                raise ValueError(f"{shard.FOLDER}/{file} is cut off")
     return DanceLibrary(
         name=name, segments=segments, scaler=scaler, calibration=calibration, sha256=sha256, **arrays
     )
@@ -203,13 +260,13 @@ def open_library(path: str | Path) -> DanceLibrary:
     InputError
         If the folder is not a library or one of its files is missing or broken.
     """
-    library = Path(path)
+    library = Path(path).resolve()
     manifest = read_manifest(library)
     try:
         folder = library / manifest["index"]
         scaler, calibration = read_calibration(folder / CALIBRATION)
-        if RATED in manifest["files"]:
-            rated = read_rated(folder)
+        rated = read_rated(library)
+        if rated is not None:
             means = {name: getattr(rated, name) for name in ("linear_energy", "rotational_energy", "variety")}
             calibration = replace(calibration, rated=means)
         return load(
@@ -224,9 +281,9 @@ def open_library(path: str | Path) -> DanceLibrary:
         raise InputError(f"broken library ({error})", where=library, remedy=_AGAIN) from error
 
 
-def index_folder(library: Path) -> Path:
+def index_folder(library: str | Path) -> Path:
     """Give the folder of the index in use."""
-    return library / str(read_manifest(library)["index"])
+    return Path(library) / str(read_manifest(library)["index"])
 
 
 def require_intact(library: Path) -> None:
@@ -241,7 +298,9 @@ def require_intact(library: Path) -> None:
     shards = read_shards(index_folder(library))
     expected = {library / manifest["index"] / name: digest for name, digest in manifest["files"].items()}
     expected |= {
-        shard.large_path(library, key): one["sha256"] for key, one in shards.items() if one["segments"]
+        library / shard.FOLDER / name: digest
+        for one in shards.values()
+        for name, digest in one["sha256"].items()
     }
     for path, digest in expected.items():
         if not path.exists() or sha256_of_file(path) != digest:

@@ -9,22 +9,37 @@ import numpy as np
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
 
+NEARLY = 2e-3
+"""A rate this close to a multiple of the one wanted is taken for it: 29.97, 59.94 and rounded frame times."""
+
+
+def every_nth(frame_rate_hz: float, wanted_hz: float) -> int | None:
+    """Tell whether every n-th frame gives the rate wanted, and which n; None if frames must be interpolated.
+
+    Examples
+    --------
+    >>> every_nth(59.94, 30.0), every_nth(1.0 / 0.03333333, 30.0), every_nth(100.0, 30.0)
+    (2, 1, None)
+    """
+    every = round(frame_rate_hz / wanted_hz)
+    return every if every and abs(frame_rate_hz / wanted_hz - every) <= NEARLY * every else None
+
 
 def resampled(motion: Motion, frame_rate_hz: float) -> Motion:
-    """Give a motion at another frame rate: frames at exactly k / frame_rate_hz from its first.
+    """Give a motion at another frame rate.
 
-    Rotations go along the shortest arc between neighbouring frames (slerp), the root along a straight line.
-    Nothing is made up beyond the last frame.
+    Where the rate is, within 0.2 %, a multiple of the one wanted, every n-th frame is taken as it is: the
+    tempo changes by no more than that, and no detail is lost. Else frames lie at exactly k / frame_rate_hz
+    from the first: rotations go along the shortest arc between neighbouring frames (slerp), the root along a
+    straight line, which takes some of the trembling out of a measurement. Nothing is made up beyond the last
+    frame.
     """
-    if frame_rate_hz == motion.frame_rate_hz:
-        return motion
-    every = motion.frame_rate_hz / frame_rate_hz
-    if every == round(every):
-        step = round(every)
+    every = every_nth(motion.frame_rate_hz, frame_rate_hz)
+    if every is not None:
         return replace(
             motion,
-            rotations=motion.rotations[::step],
-            root_positions=motion.root_positions[::step],
+            rotations=motion.rotations[::every],
+            root_positions=motion.root_positions[::every],
             frame_rate_hz=frame_rate_hz,
         )
     last_s = (len(motion) - 1) / motion.frame_rate_hz

@@ -60,9 +60,7 @@ def library_page(library: str | Path) -> Path:
     folder = Path(library)
     opened, manifest = store.open_library(folder), store.read_manifest(folder)
     takes = store.read_takes(folder)
-    rated = (
-        store.read_rated(store.index_folder(folder)).as_dict() if store.RATED in manifest["files"] else None
-    )
+    rated = store.read_rated(folder)
     aims = goals(read_protocol(default_protocol()), opened)
     page = filled(
         "library.html.jinja",
@@ -76,7 +74,7 @@ def library_page(library: str | Path) -> Path:
         takes=takes[takes["status"] != "refused"].to_dict("records")[:LISTED_TAKES],
         aims=[_aim(goal) for name, goal in aims.items() if name.endswith("-on")],
         calibration=opened.calibration,
-        rated=rated,
+        rated=rated.as_dict() if rated else None,
         readings=unit_readings(opened, stream(0, "unit readings")).to_dict("records"),
         pictures=_pictures(folder, opened, takes, aims),
         body_mass_kg=DEFAULT_BODY_MASS_KG,
@@ -89,7 +87,8 @@ def library_page(library: str | Path) -> Path:
 def _data_sets(library: DanceLibrary, takes: pd.DataFrame, citations: dict[str, str]) -> list[dict[str, Any]]:
     rows = []
     read = takes[takes["status"] != "refused"]
-    for name, own in library.segments.groupby("data_set"):
+    for name in takes["data_set"].unique():
+        own = library.segments[library.segments["data_set"] == name]
         theirs = read[read["data_set"] == name]
         rows.append(
             {
@@ -98,7 +97,7 @@ def _data_sets(library: DanceLibrary, takes: pd.DataFrame, citations: dict[str, 
                 "refused": int(((takes["data_set"] == name) & (takes["status"] == "refused")).sum()),
                 "recorded_hours": theirs["duration_s"].sum() / 3600.0,
                 "segments": len(own),
-                "hours": len(own) * SEGMENT_S / 3600.0,
+                "hours": theirs["segments_kept"].sum() * SEGMENT_S / 3600.0,
                 "kept": theirs["segments_kept"].sum(),
                 "possible": theirs["segments_possible"].sum(),
                 "paper": theirs["segments_paper"].sum(),

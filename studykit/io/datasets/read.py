@@ -79,7 +79,7 @@ def _checked(recipe: Recipe, path: Path) -> Recipe:
     if known is None:
         return recipe
     if recipe.skeleton.endswith(".toml") and recipe.format != "positions":  # lies beside the recipe
-        own = str(path.parent / recipe.skeleton)
+        own = str((path.parent / recipe.skeleton).resolve())
         (marker_map if recipe.format == "markers" else skeleton_map)(own)
         return recipe.model_copy(update={"skeleton": own})
     if recipe.skeleton not in known:
@@ -127,7 +127,7 @@ def read_takes(path: Path, folder: Path, recipe: Recipe) -> list[Take]:
     dataset = DATASETS[recipe.format]
     plain = plain_path(path, folder)
     stem = plain.removesuffix(Path(plain).suffix)
-    performances = dataset.read(path, recipe)
+    performances = dataset.read(path, recipe.settled(plain))
     names = [f"{stem}/{one.dancer}" if one.dancer else stem for one in performances]
     digest = sha256_of_file(path)
     takes = []

@@ -71,6 +71,11 @@ class Recipe(BaseModel):
             return TakeRule(match="*")
         return next((rule for rule in self.takes if fnmatch(path, rule.match)), None)
 
+    def settled(self, path: str) -> Recipe:
+        """Give the recipe as it holds for one take, so that its importer needs no place in the folder."""
+        rate = self.frame_rate(path)
+        return self.model_copy(update={"takes": (), "frame_rates_hz": {} if rate is None else {"*": rate}})
+
     def partners(self, name: str) -> tuple[str, ...]:
         """Name the takes danced together with one."""
         return tuple(other for group in self.groups if name in group for other in group if other != name)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from studykit.motion import rotation
+from studykit.motion import energy, rotation
 from studykit.motion.motion import Motion
 from studykit.motion.resampling import resampled
 from studykit.motion.skeleton import NEUTRAL_BODY
@@ -25,7 +27,7 @@ def turning(frames: int, rate: float, *, spin: float = 2.0) -> Motion:
     )
 
 
-@pytest.mark.parametrize("rate", [120.0, 60.0, 59.94, 25.0, 1.0 / 0.00833333])
+@pytest.mark.parametrize("rate", [120.0, 60.0, 25.0, 100.0, 48.0])
 @pytest.mark.parametrize("frames", [2, 61, 240, 601])
 def test_frames_lie_at_exactly_k_thirtieths(rate, frames) -> None:
     motion = turning(frames, rate)
@@ -45,6 +47,29 @@ def test_a_whole_multiple_is_thinned_out_and_nothing_else(rate) -> None:
     at_30 = resampled(motion, 30.0)
     assert at_30.rotations == pytest.approx(motion.rotations[::step], abs=1e-15)
     assert at_30.root_positions == pytest.approx(motion.root_positions[::step], abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("rate", "step"), [(29.97, 1), (59.94, 2), (1 / 0.03333333, 1), (1 / 0.0083333, 4), (119.88, 4)]
+)
+def test_nearly_a_multiple_is_thinned_out_too_and_no_last_frame_is_lost(rate, step) -> None:
+    motion = turning(1200 * step, rate)
+    at_30 = resampled(motion, 30.0)
+    assert len(at_30) == 1200
+    assert at_30.rotations == pytest.approx(motion.rotations[::step], abs=1e-15)
+    assert at_30.frame_rate_hz == 30.0
+
+
+def test_trembling_is_not_lost_by_a_rate_that_is_nearly_right() -> None:
+    # Interpolated, frames between two moments would be averages: a beat of 33 s in the energy at 29.97 Hz.
+    rng = np.random.default_rng(0)
+    trembling = turning(1000, 29.97)
+    rotations = rotation.multiply(trembling.rotations, rotation.exp(rng.normal(scale=0.005, size=(1000, 24, 3))))
+    at_30 = resampled(replace(trembling, rotations=rotations), 30.0)
+    energies = energy.rotational_energy_steps(at_30.rotations, 30.0)[:, 20]
+    parts = energies[: 8 * 124].reshape(8, 124).sum(axis=1)
+    assert parts.min() > 0.7 * parts.max()
+    assert parts.sum() == pytest.approx(energy.rotational_energy_steps(rotations, 30.0)[: 8 * 124, 20].sum())
 
 
 def test_halfway_is_halfway_along_the_shortest_arc() -> None:
@@ -70,5 +95,5 @@ def test_averaging_quaternions_would_be_noticed() -> None:
 
 def test_nothing_changes_at_the_same_rate_or_in_one_frame() -> None:
     motion = turning(10, 30.0)
-    assert resampled(motion, 30.0) is motion
-    assert len(resampled(turning(1, 120.0), 30.0)) == 1
+    assert np.array_equal(resampled(motion, 30.0).rotations, motion.rotations)
+    assert len(resampled(turning(1, 120.0), 30.0)) == len(resampled(turning(1, 100.0), 30.0)) == 1

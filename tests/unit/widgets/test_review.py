@@ -247,4 +247,4 @@ def test_a_library_on_disk_can_be_reviewed(library: Path) -> None:
     desk.open_take("smooth")  # nothing was flagged, and yet something can be cut
     desk.decide(1.0, 1.5, "cut")
     assert desk.decided == 1
-    assert "smooth,1.000000,1.500000,cut,,MK" in decisions_path(library).read_text()
+    assert ",1.000000,1.500000,cut,,MK" in decisions_path(library).read_text()
