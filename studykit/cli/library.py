@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -25,11 +25,11 @@ TAKE_HEADS = {
     "duration_s": "seconds",
     "segments_possible": "segments possible",
     "segments_kept": "kept",
-    "segments_paper": "kept by the paper's rule",
+    "segments_paper": "by the paper's rule",
     "frames_speed": "frames too fast",
-    "frames_acceleration": "too jerky",
-    "frames_root": "root jumps",
-    "frames_paper": "flagged by the paper's rule",
+    "frames_acceleration": "frames too jerky",
+    "frames_root": "frames the root jumps",
+    "frames_paper": "frames by the paper's rule",
 }
 
 Out = Annotated[Path, typer.Option("--out", help="The folder to make.")]
@@ -60,9 +60,7 @@ def build(
     skip: Annotated[
         int | None, typer.Option(min=0, help="Frames to leave out at the start of each file.")
     ] = None,
-    noise_rule: Annotated[
-        Any, typer.Option(click_type=str, help="'robust', or 'paper' for the printed rule.")
-    ] = "robust",
+    noise_rule: Annotated[str, typer.Option(help="'robust', or 'paper' for the printed rule.")] = "robust",
     stride: Annotated[
         float, typer.Option(help="Seconds from one segment to the next; below 4 they overlap.")
     ] = 4.0,
@@ -82,14 +80,14 @@ def build(
     changed, and goes on where an interrupted one was. Takes that cannot be used are left out and listed with
     the reason.
     """
-    from studykit.io.datasets.read import files_in
     from studykit.library.build import build as build_library
     from studykit.library.measure import Settings
 
     sources = {folder: _recipe(folder, recipe, skeleton, fps or [], skip) for folder in source}
     for folder, own in sources.items():
-        show.say(f"{folder}: {len(files_in(folder, own))} files, read as {own.data_set} ({own.format})")
-    settings = Settings(noise_rule=noise_rule, stride_s=stride, mirrored=mirrored, seed=seed)
+        _say_what_is_read(folder, own, fps or [])
+    settings = Settings(noise_rule=cast(Any, noise_rule), stride_s=stride, mirrored=mirrored, seed=seed)
+    before = _shards(out)
     with _cluster(dask):
         build_library(
             sources,
@@ -98,10 +96,47 @@ def build(
             workers=None if dask else workers or _processes(),
             progress=show.progress,
         )
-    _print_takes(out)
+    now = _shards(out)
+    if before:
+        changes = (len(now - before), len(now & before), len(before - now))
+        show.say("{} files are new or changed, {} as before, {} gone".format(*changes))
+    _print_takes(out, most=40)
     _print_info(out)
     show.say(f"On one page: {_page(out)}")
     show.say(f"Next: studykit demo --library {out} --out sessions/{out.name}")
+
+
+def _shards(out: Path) -> set[str]:
+    """Give the shards of a library, or none where there is no whole one."""
+    from studykit.library.store import index_folder, read_shards
+
+    try:
+        return set(read_shards(index_folder(out)))
+    except (InputError, OSError, ValueError):
+        return set()
+
+
+def _say_what_is_read(folder: Path, recipe: Recipe, rates: list[str]) -> None:
+    """Say how a folder is read and what in it is not; refuse a rate for takes that are not there."""
+    from fnmatch import fnmatch
+
+    from studykit.io.datasets.read import files_in, plain_path, unread_in
+
+    files = files_in(folder, recipe)
+    for rate in rates:
+        pattern = rate.rpartition("=")[0]
+        if not any(fnmatch(plain_path(path, folder), pattern) for path in files):
+            example = plain_path(files[0], folder)
+            raise InputError(
+                f"no take of {folder} matches {pattern!r}",
+                where="--fps",
+                remedy=f"write a pattern of paths such as {example}",
+            )
+    show.say(f"{folder}: {len(files)} files, read as {recipe.data_set} ({recipe.format})")
+    if unread := unread_in(folder, recipe):
+        example = unread[0].relative_to(folder).as_posix()
+        more = f" and {len(unread) - 1} more" if len(unread) > 1 else ""
+        show.say(f"  not read, since no rule means it or its format is another: {example}{more}")
 
 
 def _processes() -> int:
@@ -135,10 +170,14 @@ def _cluster(address: str | None) -> Iterator[None]:
 
 def _recipe(source: Path, name: str | None, skeleton: str | None, fps: list[str], skip: int | None) -> Recipe:
     from studykit.io.datasets.read import find_recipe, named_recipe
-    from studykit.io.datasets.recipe import Recipe
+    from studykit.io.datasets.recipe import FILE_NAME, Recipe
 
     if name is not None:
         recipe = named_recipe(name)
+    elif (source / FILE_NAME).exists():
+        recipe = find_recipe(source)
+        if skeleton is not None:
+            recipe = recipe.model_copy(update={"skeleton": skeleton})
     elif skeleton is not None:
         recipe = Recipe(data_set=source.resolve().name, skeleton=skeleton, units_m=0.01)
     else:
@@ -309,16 +348,26 @@ def _print_calibration(library: Path) -> None:
             {"reading": words, "linear": f"{linear:.3g}", "rotational": f"{rotational:.3g}"}
             for words, linear, rotational in table.itertuples(index=False)
         ]
+        + [
+            {
+                "reading": "the paper, light to intense",
+                "linear": "56.5 to 147.2",
+                "rotational": "31.8 to 106.5",
+            }
+        ]
     )
 
 
 def _facts(library: Path) -> dict[str, Any]:
+    from studykit.library.calibrate import genres_beside
     from studykit.library.store import open_library, read_manifest, read_rated
 
-    calibration, manifest = open_library(library).calibration, read_manifest(library)
+    opened, manifest = open_library(library), read_manifest(library)
+    calibration = opened.calibration
     rated = read_rated(library)
     light, intense = calibration.energies_of("light", 25.0), calibration.energies_of("intense", 75.0)
     return manifest | {
+        "genres_beside_chains": genres_beside(opened),
         "targets": {
             "from": "raters" if rated else "percentiles",
             "linear_energy": {"light": light[0], "intense": intense[0]},
@@ -342,6 +391,12 @@ def _print_info(library: Path) -> None:
         f"{facts['name']}: {facts['segments']} segments ({facts['hours'] * 60:.1f} min)"
         f" of {facts['takes']} takes"
     )
+    ways = [f"every {facts['stride_s']:g} s"] if facts["stride_s"] < 4.0 else []
+    ways += ["mirrored, too"] if facts["mirrored"] else []
+    if ways:
+        show.say(f"  segments begin or come {' and '.join(ways)}; minutes and yield count each movement once")
+    if facts["takes_empty"]:
+        show.say(f"  {facts['takes_empty']} takes give no segment: shorter than 4 s, or flagged throughout")
     if facts["is_synthetic"]:
         show.say("  SYNTHETIC: nobody danced these")
     if left:
@@ -382,6 +437,9 @@ def _print_targets(facts: dict[str, Any]) -> None:
             f"    {level}: variety {variety:.1f}, {variety / facts['median_distance']:.2f} of the distance"
             f" between unrelated segments (the paper: {distance:g})"
         )
+    if facts["genres_beside_chains"]:
+        names = ", ".join(f"{name} ({count})" for name, count in facts["genres_beside_chains"].items())
+        show.say(f"    no chain comes from genres of fewer than eight segments: {names}")
     for scale, told in (targets["agreement"] or {}).items():
         low, high = told["interval"]
         show.say(f"    raters agree on {scale}: alpha {told['alpha']:.2f} [{low:.2f}, {high:.2f}]")
@@ -403,7 +461,4 @@ def _print_takes(library: Path, *, most: int | None = 60) -> None:
 
 
 def _short(value: object) -> str:
-    try:
-        return f"{float(str(value)):.6g}"
-    except ValueError:
-        return str(value)
+    return f"{value:.1f}" if isinstance(value, float) else str(value)

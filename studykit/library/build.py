@@ -121,7 +121,8 @@ def build_from(
             told | {"name": prefix + source.name, "prefix": prefix, "data_set": source.data_set}
             for source, prefix, told in zip(sources, names, outcomes, strict=True)
         ]
-        index.write(out, _without_copies(rows), origin, settings)
+        strays = _strays(decisions, rows)
+        index.write(out, _without_copies(rows), origin, settings, strays=strays, progress=progress)
     return store.open_library(out)
 
 
@@ -176,6 +177,12 @@ def make_shard(source: Source, out: Path, settings: Settings, decisions: Words) 
         error.add_note(f"while reading {source.name} of {source.data_set}")
         raise
     return told | {"key": key}
+
+
+def _strays(decisions: Decisions, outcomes: Sequence[dict[str, Any]]) -> int:
+    """Count the decisions on takes that are not there."""
+    takes = {(told["data_set"], take["name"]) for told in outcomes for take in told["takes"]}
+    return sum(len(said) for key, words in decisions.items() if key not in takes for said in words.values())
 
 
 def _without_copies(outcomes: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from studykit.choreography.dance_library import (
 )
 from studykit.core.arrays import Floats, Integers
 from studykit.core.errors import InputError
+from studykit.core.progress import Progress, silent
 from studykit.motion import kinematics
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.motion.energy import linear_energy
@@ -84,7 +85,7 @@ def _pieces(features: Rows) -> Iterator[tuple[int, Any]]:
         yield start, features[start : start + _CHUNK]
 
 
-def calibrate(library: DanceLibrary, rng: np.random.Generator) -> Calibration:
+def calibrate(library: DanceLibrary, rng: np.random.Generator, *, progress: Progress = silent) -> Calibration:
     """Measure random chains, joins and pairs of a library's segments.
 
     Raises
@@ -106,7 +107,7 @@ def calibrate(library: DanceLibrary, rng: np.random.Generator) -> Calibration:
     return Calibration(
         chain_linear_energies=_sums(library.linear_energies, chains),
         chain_rotational_energies=_sums(library.rotational_energies, chains),
-        chain_varieties=_varieties(chains, euclidean),
+        chain_varieties=_varieties(progress(chains, label="Measuring variety", total=len(chains)), euclidean),
         chain_cosine_varieties=_varieties(chains, cosine),
         join_displacements=np.array(
             [library.displacement(a, b) for chain in chains for a, b in pairwise(chain)]
@@ -118,11 +119,18 @@ def calibrate(library: DanceLibrary, rng: np.random.Generator) -> Calibration:
     )
 
 
+def genres_beside(library: DanceLibrary) -> dict[str, int]:
+    """Name the genres that no chain comes from, since they have fewer than eight segments, and how many."""
+    counts = library.segments["genre"].iloc[side_by_side(library)].value_counts().sort_index()
+    small = {str(genre): int(count) for genre, count in counts.items() if count < CHAIN_SEGMENTS}
+    return small if len(small) < len(counts) else {}
+
+
 def _sums(energies: Floats, chains: Integers) -> Floats:
     return np.asarray(np.asarray(energies).sum(axis=1)[chains].sum(axis=1))
 
 
-def _varieties(chains: Integers, distances: SegmentDistances) -> Floats:
+def _varieties(chains: Iterable[Any], distances: SegmentDistances) -> Floats:
     return np.array([mean_of_pairs(distances.between(chain, chain)) for chain in chains])
 
 

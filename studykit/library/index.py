@@ -1,4 +1,4 @@
-"""The index over the shards of a library: tables, small arrays, calibration, manifest."""
+"""What all takes of a library give together: tables, small arrays, calibration, manifest."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from studykit.core import durable
 from studykit.core.errors import InputError
+from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_bytes, sha256_of_file, sha256_of_value, versions
 from studykit.core.seeding import stream
 from studykit.library import shard, store
@@ -37,8 +38,31 @@ Outcome = dict[str, Any]
 """What `build.make_shard` gives of one source, with its `name`, `prefix` and `data_set`."""
 
 
-def write(library: Path, outcomes: Sequence[Outcome], origin: Origin, settings: Settings) -> None:
-    """Write the index over the shards and make it the one in use; does nothing if it is so already.
+def write(
+    library: Path,
+    outcomes: Sequence[Outcome],
+    origin: Origin,
+    settings: Settings,
+    *,
+    strays: int = 0,
+    progress: Progress = silent,
+) -> None:
+    """Write down what all takes together give, and make it the library in use; nothing if it is so already.
+
+    Parameters
+    ----------
+    library : Path
+        The folder of the library.
+    outcomes : sequence of dict
+        What became of each source, in order.
+    origin : Origin
+        Where the takes come from.
+    settings : Settings
+        How they were cut; its seed draws the chains of the calibration.
+    strays : int
+        Decisions of a reviewer on takes that are not there.
+    progress : Progress
+        Told of each chain measured.
 
     Raises
     ------
@@ -54,6 +78,7 @@ def write(library: Path, outcomes: Sequence[Outcome], origin: Origin, settings: 
         "names": [told["name"] for told in outcomes],
         "origin": asdict(origin),
         "settings": asdict(settings),
+        "strays": strays,
         "versions": versions(),
     }
     folder = library / f"index-{sha256_of_value(causes)[:12]}"
@@ -62,8 +87,9 @@ def write(library: Path, outcomes: Sequence[Outcome], origin: Origin, settings: 
         partial = folder.with_name(f"{folder.name}.partial")
         shutil.rmtree(partial, ignore_errors=True)
         partial.mkdir()
-        manifest = _write_files(library, partial, outcomes, origin, seed=settings.seed)
+        manifest = _write_files(library, partial, outcomes, origin, seed=settings.seed, progress=progress)
         manifest |= {**asdict(settings), "index": folder.name}
+        manifest["decisions_ignored"] += strays
         manifest |= _carried_over(library, older, partial, manifest)
         durable.settle(partial)
         shutil.rmtree(folder, ignore_errors=True)
@@ -104,7 +130,13 @@ def _refuse(outcomes: Sequence[Outcome], origin: Origin) -> None:
 
 
 def _write_files(
-    library: Path, folder: Path, outcomes: Sequence[Outcome], origin: Origin, *, seed: int
+    library: Path,
+    folder: Path,
+    outcomes: Sequence[Outcome],
+    origin: Origin,
+    *,
+    seed: int,
+    progress: Progress,
 ) -> dict[str, Any]:
     """Write all files of an index but the manifest, which is given back."""
     shards = {
@@ -138,7 +170,7 @@ def _write_files(
     uncalibrated = store.load(
         library, folder, name=origin.name, scaler=scaler, calibration=UNCALIBRATED, sha256=""
     )
-    calibration = calibrate(uncalibrated, stream(seed, "calibration"))
+    calibration = calibrate(uncalibrated, stream(seed, "calibration"), progress=progress)
     store.write_calibration(folder / store.CALIBRATION, scaler, calibration)
     return _manifest(folder, uncalibrated, takes, origin)
 
@@ -231,6 +263,7 @@ def _manifest(folder: Path, library: DanceLibrary, takes: pd.DataFrame, origin: 
         "segments": len(library),
         "hours": round(int(used["segments_kept"].sum()) * SEGMENT_S / 3600.0, 6),
         "takes": len(used),
+        "takes_empty": int((takes["status"] == "empty").sum()),
         "takes_refused": int((takes["status"] == "refused").sum()),
         "recorded_hours": round(float(used["duration_s"].sum()) / 3600.0, 6),
         "segments_kept": int(used["segments_kept"].sum()),

@@ -12,7 +12,7 @@ from studykit.core.errors import InputError
 from studykit.core.seeding import stream
 from studykit.io.protocol_file import default_protocol, read_protocol
 from studykit.library import review, store
-from studykit.library.calibrate import unit_readings
+from studykit.library.calibrate import genres_beside, unit_readings
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.motion.segmentation import SEGMENT_S
 from studykit.reports.analyse import write
@@ -74,6 +74,7 @@ def library_page(library: str | Path) -> Path:
         takes=takes[takes["status"] != "refused"].to_dict("records")[:LISTED_TAKES],
         aims=[_aim(goal) for name, goal in aims.items() if name.endswith("-on")],
         calibration=opened.calibration,
+        beside=genres_beside(opened),
         rated=rated.as_dict() if rated else None,
         readings=unit_readings(opened, stream(0, "unit readings")).to_dict("records"),
         pictures=_pictures(folder, opened, takes, aims),

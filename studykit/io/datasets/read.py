@@ -13,12 +13,14 @@ from studykit.io.datasets.positions import BODIES
 from studykit.io.datasets.recipe import FILE_NAME, Recipe, built_in_recipes
 from studykit.io.datasets.take import Take, TakeSource
 from studykit.io.marker_map import marker_map, marker_names
-from studykit.io.packed import PACKED
+from studykit.io.packed import PACKED, files_ending
 from studykit.io.skeleton_map import skeleton_map, skeleton_names
 from studykit.io.toml_file import read_model
 from studykit.motion.motion import Motion
 from studykit.motion.plausibility import implausible
 from studykit.motion.retargeting import on_neutral_body
+
+_TAKES = (".bvh", ".amc", ".c3d", ".csv", ".fbx", ".npy", ".npz", ".pkl", ".tar", ".tsv", ".zip")
 
 
 def find_recipe(folder: Path) -> Recipe:
@@ -38,9 +40,17 @@ def find_recipe(folder: Path) -> Recipe:
         recipe = named_recipe(path)
         if recipe.recognised_by and all(any(folder.glob(f"{name}*")) for name in recipe.recognised_by):
             return recipe
-    for dataset in DATASETS.values():
-        if dataset.recognises(folder):
-            return Recipe(data_set=dataset.name, format=dataset.name)
+    known = [dataset.name for dataset in DATASETS.values() if dataset.recognises(folder)]
+    if len(known) == 1 or set(known) == {
+        "aistpp",
+        "aistpp-keypoints",
+    }:  # one set, in two forms: its own first
+        return Recipe(data_set=known[0], format=known[0])
+    if known:
+        remedy = "give the folder of each, or say which with --recipe"
+        raise InputError(f"holds several data sets ({', '.join(known)})", where=folder, remedy=remedy)
+    if not any(path.is_file() for path in folder.rglob("*")):
+        raise InputError("there is no file in it", where=folder, remedy="check the path")
     raise InputError(
         "nothing says how to read these takes",
         where=folder,
@@ -108,6 +118,13 @@ def files_in(folder: Path, recipe: Recipe) -> list[Path]:
             remedy="check the folder, and the patterns of its recipe",
         )
     return meant
+
+
+def unread_in(folder: Path, recipe: Recipe) -> list[Path]:
+    """List the files of a folder that look like takes and that its recipe does not read."""
+    read = set(files_in(folder, recipe))
+    beside = {companion for path in read for companion in DATASETS[recipe.format].companions(path)}
+    return [path for path in files_ending(folder, *_TAKES) if path not in read | beside]
 
 
 def plain_path(path: Path, folder: Path) -> str:

@@ -251,6 +251,8 @@ def plan_of_sheet(path: str | Path) -> pd.DataFrame:
         windows = [int(number) for number in table["window"]]
         parts = [words.split(_OF) for words in table["segments"]]
         segments = [tuple(int(number) for number in rows.split()) for rows, _ in parts]
+    except FileNotFoundError as error:
+        raise InputError("there is no such file", where=path, remedy=remedy) from error
     except (OSError, ValueError) as error:
         raise InputError("this is no rating sheet", where=path, remedy=remedy) from error
     if table.empty:

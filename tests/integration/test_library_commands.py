@@ -1,0 +1,166 @@
+"""The library's commands, from a folder of takes to its page, as a user types them."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from studykit.cli import main
+from studykit.library import make_takes, open_library, rating_plan
+from studykit.library.rating import RatingSheet
+
+
+@pytest.fixture(scope="module")
+def takes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make_takes(tmp_path_factory.mktemp("data") / "takes", segments=60, seed=2)
+
+
+@pytest.fixture(scope="module")
+def built(takes: Path) -> Path:
+    out = takes.parent / "library"
+    assert run("library", "build", takes, "--out", out, "--workers", 1) == 0
+    return out
+
+
+@pytest.fixture
+def library(built: Path, tmp_path: Path) -> Path:
+    shutil.copytree(built, tmp_path / "library")
+    return tmp_path / "library"
+
+
+def run(*arguments: object) -> int:
+    with pytest.raises(SystemExit) as end:
+        main([str(argument) for argument in arguments])
+    return int(end.value.code or 0)
+
+
+def test_one_command_gives_a_calibrated_library_and_its_page(
+    takes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "library"
+    assert run("library", "build", takes, "--out", out, "--workers", 1) == 0
+    said = capsys.readouterr().out
+    assert f"{takes}: 6 files, read as studykit-synthetic (bvh)" in said
+    assert "60 segments (4.0 min) of 6 takes" in said  # none is lost at the end of a take
+    assert "SYNTHETIC: nobody danced these" in said
+    assert f"On one page: {out / 'library.html'}" in said
+    assert (out / "library.html").exists()
+    assert run("library", "build", takes, "--out", out, "--workers", 1) == 0
+    assert "0 files are new or changed, 6 as before, 0 gone" in capsys.readouterr().out
+
+
+def test_what_is_not_read_is_said(takes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "takes"
+    shutil.copytree(takes, folder)
+    (folder / "old.bvh").write_text("nobody means this")
+    (folder / "other.npz").write_bytes(b"")
+    assert run("library", "build", folder, "--out", tmp_path / "library", "--workers", 1) == 0
+    said = capsys.readouterr().out
+    assert "not read, since no rule means it or its format is another: old.bvh and 1 more" in said
+    assert run("library", "build", folder, "--out", tmp_path / "library", "--fps", "walz/*=60") == 2
+    said = capsys.readouterr().err
+    assert "no take of" in said
+    assert "matches 'walz/*'; write a pattern of paths such as synthetic-" in said
+
+
+def test_a_folder_of_several_data_sets_is_not_taken_for_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "data" / "motions_smpl").mkdir(parents=True)
+    (tmp_path / "data" / "motions_smpl" / "a_0_300.pkl").write_bytes(b"")
+    (tmp_path / "data" / "CMU" / "01").mkdir(parents=True)
+    (tmp_path / "data" / "CMU" / "01" / "01_01_poses.npz").write_bytes(b"")
+    assert run("library", "build", tmp_path / "data", "--out", tmp_path / "library") == 2
+    said = capsys.readouterr().err
+    assert "holds several data sets" in said
+    assert "give the folder of each" in said
+    (tmp_path / "empty").mkdir()
+    assert run("library", "build", tmp_path / "empty", "--out", tmp_path / "library") == 2
+    assert "there is no file in it; check the path." in capsys.readouterr().err
+
+
+def test_the_facts_for_a_machine(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("library", "info", library, "--json", "--verify") == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["segments"], facts["takes"], facts["takes_refused"]) == (60, 6, 0)
+    assert facts["targets"]["from"] == "percentiles"
+    assert facts["licences"] == {"CC0-1.0": 60}
+    assert facts["is_synthetic"]
+
+
+def test_a_changed_file_is_found(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("library", "info", library, "--verify") == 0
+    assert "Every file is what was written." in capsys.readouterr().out
+    path = min((library / "takes").glob("*.small.npy"))
+    data = bytearray(path.read_bytes())
+    data[-3] ^= 4
+    path.write_bytes(data)
+    assert run("library", "info", library, "--verify") == 2
+    assert f"{path}: is not what was written; build it again." in capsys.readouterr().err
+
+
+def test_raters_set_the_targets_and_can_be_taken_back(
+    library: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened = open_library(library)
+    plan = rating_plan(opened, windows=24)
+    sheet = RatingSheet(tmp_path / "ratings.csv", plan)
+    energy = {row.window: opened.linear_energies[list(row.segments)].sum() for row in plan.itertuples()}
+    middle = sorted(energy.values())[12]
+    for row in plan.itertuples():
+        sheet.record(
+            rater=row.rater,
+            window=row.window,
+            intensity="intense" if energy[row.window] >= middle else "light",
+            variety="hard" if len(set(row.segments)) > 5 else "easy",
+        )
+    before = opened.sha256
+    assert run("library", "calibrate", library, "--ratings", sheet.path) == 0
+    said = capsys.readouterr().out
+    assert "as raters say" in said
+    assert "raters agree on intensity: alpha 1.00 [1.00, 1.00]" in said
+    assert "what raters say" in (library / "library.html").read_text()
+    rated = open_library(library)
+    assert rated.sha256 != before
+    light, intense = (rated.calibration.energies_of(level, 50.0)[0] for level in ("light", "intense"))
+    assert light < intense
+    # What raters said of these very segments holds when the library is built again with another seed.
+    assert run("library", "calibrate", library, "--percentiles") == 0
+    assert "percentiles 25 and 75" in capsys.readouterr().out
+    assert open_library(library).sha256 == before
+    assert run("library", "calibrate", library, "--ratings", tmp_path / "none.csv") == 2
+    assert "none.csv: there is no such file" in capsys.readouterr().err
+
+
+def test_raters_targets_stay_while_the_segments_stay(
+    takes: Path, library: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened = open_library(library)
+    plan = rating_plan(opened, windows=24)
+    sheet = RatingSheet(tmp_path / "ratings.csv", plan)
+    rank = {w: n for n, w in enumerate(sorted(set(plan["window"]), key=lambda w: _energy(opened, plan, w)))}
+    for row in plan.itertuples():
+        word = "intense" if rank[row.window] >= 12 else "light"
+        variety = "hard" if len(set(row.segments)) > 5 else "easy"
+        sheet.record(rater=row.rater, window=row.window, intensity=word, variety=variety)
+    assert run("library", "calibrate", library, "--ratings", sheet.path) == 0
+    said = open_library(library).calibration.rated
+    assert run("library", "build", takes, "--out", library, "--seed", 5, "--workers", 1) == 0
+    assert open_library(library).calibration.rated == said
+    capsys.readouterr()
+    assert run("library", "build", takes, "--out", library, "--mirrored", "--workers", 1) == 0
+    assert "the raters' targets belonged to other segments and hold no more" in capsys.readouterr().out
+    assert open_library(library).calibration.rated is None
+
+
+def _energy(library, plan, window: int) -> float:
+    segments = plan.loc[plan["window"] == window, "segments"].iloc[0]
+    return float(library.linear_energies[list(segments)].sum())
+
+
+def test_browsing_writes_the_page_again(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("library", "browse", library) == 0
+    assert capsys.readouterr().out.strip() == str(library / "library.html")
