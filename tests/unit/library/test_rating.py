@@ -385,7 +385,7 @@ def test_what_is_no_sheet_gives_no_plan(tmp_path: Path, data, problem) -> None:
     path.write_bytes(data)
     with pytest.raises(InputError, match=f"ratings.csv: .*{problem}"):
         plan_of_sheet(path)
-    with pytest.raises(InputError, match="no rating sheet"):
+    with pytest.raises(InputError, match=r"missing\.csv: there is no such file"):
         plan_of_sheet(tmp_path / "missing.csv")
 
 

@@ -64,7 +64,9 @@ def test_trembling_is_not_lost_by_a_rate_that_is_nearly_right() -> None:
     # Interpolated, frames between two moments would be averages: a beat of 33 s in the energy at 29.97 Hz.
     rng = np.random.default_rng(0)
     trembling = turning(1000, 29.97)
-    rotations = rotation.multiply(trembling.rotations, rotation.exp(rng.normal(scale=0.005, size=(1000, 24, 3))))
+    rotations = rotation.multiply(
+        trembling.rotations, rotation.exp(rng.normal(scale=0.005, size=(1000, 24, 3)))
+    )
     at_30 = resampled(replace(trembling, rotations=rotations), 30.0)
     energies = energy.rotational_energy_steps(at_30.rotations, 30.0)[:, 20]
     parts = energies[: 8 * 124].reshape(8, 124).sum(axis=1)

@@ -27,7 +27,14 @@ def sample(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_page_says_what_the_library_holds_and_that_it_is_made_up(sample: Path) -> None:
     text = library_page(sample).read_text()
     assert "SYNTHETIC MOVEMENT" in text
-    for words in ("60 segments", "synthetic-kick", "CC0-1.0", "56.5 to 147.2", "the paper, intense; hard", "mass in kg"):
+    for words in (
+        "60 segments",
+        "synthetic-kick",
+        "CC0-1.0",
+        "56.5 to 147.2",
+        "the paper, intense; hard",
+        "mass in kg",
+    ):
         assert words in text
     assert text.count("<figure>") == text.count("data:image/svg+xml;base64,") == 6
     assert not re.search(r'(?:src|href)="https?:', text)  # nothing is fetched

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studykit.core.seeding import stream
-from studykit.library.sample import takes
+from studykit.library.sample import synthetic_takes
 from studykit.motion import energy, rotation
 from studykit.motion.kinematics import joint_positions
 from studykit.motion.motion import Motion
@@ -26,7 +26,7 @@ FRAMES = 960
 def guide(kind: str) -> Motion:
     """A dance of 32 s: standing still, every joint swinging with a phase of its own, or made up in style."""
     if kind == "made up":
-        made_up = next(iter(takes(10, seed=1))).motion
+        made_up = synthetic_takes(10, seed=1)[0].takes()[0].motion
         return part(made_up, FRAMES)
     times_s = np.arange(FRAMES) / 30.0
     phases = np.arange(24 * 3.0).reshape(24, 3)
