@@ -20,7 +20,7 @@ def put(path: Path, content: bytes | str) -> None:
         All of it; text is written as UTF-8.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")  # hidden from who lists the folder
     try:
         with partial.open("wb") as file:
             file.write(content.encode() if isinstance(content, str) else content)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 
 class InputError(ValueError):
@@ -30,3 +32,7 @@ class InputError(ValueError):
         place = f"{self.where}: " if self.where else ""
         # What is quoted from a file may have line ends in it.
         super().__init__(" ".join(f"{place}{problem}; {remedy}.".splitlines()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An error comes back from another process whole.
+        return partial(InputError, self.problem, remedy=self.remedy, where=self.where), ()

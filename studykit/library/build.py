@@ -160,13 +160,7 @@ def make_shard(source: Source, out: Path, settings: Settings, decisions: Words) 
             }
         )[:32]
         told = shard.outcome(out, key)
-        if told is None:
-            takes = source.takes()
-            told = shard.write(
-                out,
-                key,
-                [(take, _measured(take, settings, decisions)) for take in takes],
-            )
+        takes = source.takes() if told is None else []
     except InputError as error:
         return _refused(error, source)
     except OSError as error:
@@ -176,6 +170,15 @@ def make_shard(source: Source, out: Path, settings: Settings, decisions: Words) 
     except Exception as error:
         error.add_note(f"while reading {source.name} of {source.data_set}")
         raise
+    if told is None:
+        try:
+            told = shard.write(out, key, [(take, _measured(take, settings, decisions)) for take in takes])
+        except OSError as error:
+            raise InputError(
+                f"cannot be written ({error.strerror or error})",
+                where=out,
+                remedy="make room and run the same build again: it goes on where it was",
+            ) from error
     return told | {"key": key}
 
 

@@ -315,7 +315,7 @@ def _clean(library: Path, index: str, keys: set[str]) -> None:
     for path in library.iterdir():
         if store.is_index(path) and path.name != index:
             shutil.rmtree(path, ignore_errors=True)
-        elif path.name.startswith(f"{store.MANIFEST}.") and path.suffix == ".partial":
+        elif path.name.startswith(f".{store.MANIFEST}.") and path.suffix == ".partial":
             _remove(path)
     for path in (library / shard.FOLDER).iterdir():
         is_needed = path.name.partition(".")[0] in keys and path.suffix != ".partial"

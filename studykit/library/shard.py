@@ -44,7 +44,7 @@ def outcome_path(library: Path, key: str) -> Path:
 
 def is_part(path: Path) -> bool:
     """Tell whether this is a file of a shard, whole or not."""
-    return re.fullmatch(r"[0-9a-f]{32}(\.small)?\.(npy|json)(\.\d+\.partial)?", path.name) is not None
+    return re.fullmatch(r"\.?[0-9a-f]{32}(\.small)?\.(npy|json)(\.\d+\.partial)?", path.name) is not None
 
 
 def told(library: Path, key: str) -> dict[str, Any]:

@@ -84,8 +84,9 @@ def folder_to_build(out: Path, origin: Origin) -> Iterator[None]:
     try:
         with lock:
             yield
-    except InputError:
-        if made:
+    except InputError as error:
+        # A disk that is full costs no work that was done.
+        if made and not isinstance(error.__cause__, OSError):
             shutil.rmtree(out, ignore_errors=True)
             for parent in made[1:]:
                 with suppress(OSError):  # somebody else has put something there
@@ -116,7 +117,7 @@ def _is_ours(path: Path) -> bool:
     """Tell whether an interrupted build left this."""
     if path.name == shard.FOLDER:
         return path.is_dir() and all(shard.is_part(part) for part in path.iterdir())
-    return path.name == LOCK or is_index(path) or path.name.startswith(f"{MANIFEST}.")
+    return path.name == LOCK or is_index(path)
 
 
 def is_index(path: Path) -> bool:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from studykit.core import durable
 from studykit.core.arrays import Floats
 from studykit.recording.journal import unwritable
 
@@ -25,11 +26,8 @@ def write(path: Path, content: bytes) -> None:
     InputError
         If the folder cannot be written.
     """
-    partial = path.with_name(f".{path.name}.partial")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(content)
-        partial.replace(path)
+        durable.put(path, content)
     except OSError as error:
         raise unwritable(path.parent, error) from error
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studykit.analysis import Results, enjoyment, run
+from studykit.core import durable
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_files, sha256_of_value, versions
@@ -94,11 +95,8 @@ def write(path: Path, content: str | bytes) -> None:
     InputError
         If it cannot be written.
     """
-    partial = path.with_name(path.name + ".partial")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(content.encode() if isinstance(content, str) else content)
-        partial.replace(path)
+        durable.put(path, content)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"cannot be written ({reason})", where=path, remedy="check its folder") from error

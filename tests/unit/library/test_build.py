@@ -452,7 +452,7 @@ class TestBuildingAgain:
         with pytest.raises(InputError, match="a library that is not finished; run the same build again"):
             open_library(out)
         # What a kill can leave: a file half written, another cut off although its outcome is there.
-        (out / "takes" / f"{'ab' * 16}.npy.77.partial").write_bytes(b"half")
+        (out / "takes" / f".{'ab' * 16}.npy.77.partial").write_bytes(b"half")
         cut_off = next((out / "takes").glob("*.small.npy"))
         cut_off.write_bytes(cut_off.read_bytes()[:-7])
         made.clear()
@@ -669,3 +669,39 @@ def test_a_library_built_again_under_a_reader_says_so(takes_folder: Path, tmp_pa
     shard._mapped.cache_clear()  # what was looked at before is still mapped
     with pytest.raises(InputError, match="out: was built again meanwhile; open it again"):
         reader.features[0]
+
+
+def built_to(folder: Path, out: Path) -> Path:
+    build(folder, out)
+    return out
+
+
+def test_a_full_disk_stops_the_build_and_costs_nothing(
+    takes_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = content(built_to(takes_folder, tmp_path / "whole"))
+    write, count = shard.write, [0]
+
+    def full(library: Path, key: str, takes):
+        count[0] += 1
+        if count[0] == 2:
+            raise OSError(28, "No space left on device")
+        return write(library, key, takes)
+
+    monkeypatch.setattr(shard, "write", full)
+    with pytest.raises(InputError, match=r"cannot be written \(No space left on device\); make room and run"):
+        build(takes_folder, tmp_path / "out")
+    assert len(list((tmp_path / "out" / "takes").glob("*.json"))) == 1
+    assert content(built_to(takes_folder, tmp_path / "out")) == whole
+
+
+def test_a_file_that_cannot_be_read_is_left_out(
+    takes_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "takes"
+    shutil.copytree(takes_folder, folder)
+    (folder / "broken.bvh").symlink_to("/proc/self/mem")  # opens, but gives an error when it is read
+    build(folder, tmp_path / "out")
+    row = takes_of(tmp_path / "out").loc["broken"]
+    assert row["status"] == "refused"
+    assert "cannot be read" in row["reason"]

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -139,7 +140,7 @@ def test_questionnaires_have_a_row_a_participant(study: Study) -> None:
 def test_a_folder_that_cannot_be_written_leaves_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "README"
     bids_file.write(path, b"old")
-    (tmp_path / ".README.partial").mkdir()  # in the way of the new one
+    (tmp_path / f".README.{os.getpid()}.partial").mkdir()  # in the way of the new one
     with pytest.raises(InputError, match="cannot be written"):
         bids_file.write(path, b"new")
     assert path.read_bytes() == b"old"
