@@ -6,6 +6,9 @@ import sys
 from typing import cast
 
 
+_STOPPED = 130  # what a shell says of a command that was interrupted
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run one command; a wrong call or a wrong file ends with one sentence and exit code 2."""
     import typer
@@ -21,12 +24,14 @@ def main(arguments: list[str] | None = None) -> None:
     except InputError as error:
         _end(f"studykit: {error}", 2)
     except (typer.Abort, KeyboardInterrupt):
-        _end("studykit: stopped; the same command goes on where it was, or begins again.", 130)
+        code = _STOPPED
     except usage_error as error:
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "studykit"
         sentence = str(getattr(error, "format_message", error.__str__)()).rstrip(".?")
         _end(f"{command}: {sentence}; see '{command} --help'.", 2)
+    if code == _STOPPED:
+        _end("studykit: stopped; the same command goes on where it was, or begins again.", _STOPPED)
     raise SystemExit(code if isinstance(code, int) else 0)
 
 

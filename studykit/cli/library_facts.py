@@ -103,10 +103,12 @@ def print_info(library: Path) -> None:
         f"{facts['name']}: {facts['segments']} segments ({facts['hours'] * 60:.1f} min)"
         f" of {facts['takes']} takes"
     )
-    ways = [f"every {facts['stride_s']:g} s"] if facts["stride_s"] < 4.0 else []
-    ways += ["mirrored, too"] if facts["mirrored"] else []
-    if ways:
-        show.say(f"  segments begin or come {' and '.join(ways)}; minutes and yield count each movement once")
+    if facts["stride_s"] < 4.0:
+        show.say(f"  segments begin every {facts['stride_s']:g} s and overlap")
+    if facts["mirrored"]:
+        show.say("  every segment is also there with left and right exchanged")
+    if facts["mirrored"] or facts["stride_s"] < 4.0:
+        show.say("  minutes and yield count each movement once")
     if facts["takes_empty"]:
         show.say(f"  {facts['takes_empty']} takes give no segment: shorter than 4 s, or flagged throughout")
     if facts["is_synthetic"]:

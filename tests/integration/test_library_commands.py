@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -164,3 +168,20 @@ def _energy(library, plan, window: int) -> float:
 def test_browsing_writes_the_page_again(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("library", "browse", library) == 0
     assert capsys.readouterr().out.strip() == str(library / "library.html")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
+def test_a_build_that_is_stopped_says_that_it_can_go_on(tmp_path: Path) -> None:
+    out = tmp_path / "library"
+    command = [sys.executable, "-m", "studykit", "library", "sample", "--workers", "1"]
+    process = subprocess.Popen(
+        [*command, "--segments", "4000", "--out", str(out)], stderr=subprocess.PIPE, text=True
+    )
+    while not list(out.glob("takes/*.json")):
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert said.splitlines()[-1].startswith("studykit: stopped; the same command goes on where it was")
+    assert run("library", "info", out) == 2
