@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from typing import cast
 
-
 _STOPPED = 130  # what a shell says of a command that was interrupted
 
 
