@@ -15,6 +15,8 @@ LARGEST_COUNT = 20_000_000
 """Values that one pickle may stand for once everything that it mentions twice is written out."""
 DEEPEST = 100
 """Containers within containers; recordings have three or four."""
+_PER_KEY = 16
+"""Values that weigh in memory as much as an entry of a dictionary or set."""
 
 _NUMBERS = re.compile(r"\?|b1|[iu][1248]|f[248]|c(8|16)|[SU]\d{1,6}")
 _ORDER = ("<", ">", "=", "|")
@@ -26,6 +28,31 @@ class RefusedError(ValueError):
     def __init__(self, problem: str, *, hostile: bool = False) -> None:
         super().__init__(problem)
         self.hostile = hostile
+
+
+@dataclass(slots=True)
+class Budget:
+    """What a pickle may still have made of it: a short one could have one long text copied again and again.
+
+    Parameters
+    ----------
+    left : int
+        In values of 8 bytes.
+    """
+
+    left: int = LARGEST_COUNT
+
+    def spend(self, values: int) -> None:
+        """Count what is about to be made.
+
+        Raises
+        ------
+        RefusedError
+            If that is too much, taken together with all that was made before.
+        """
+        self.left -= values
+        if self.left < 0:
+            raise RefusedError(f"stands for more than {LARGEST_COUNT:,} values")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +118,7 @@ def named(module: str, name: str) -> Name:
     return Name(_KINDS[text], text)
 
 
-def made(name: Any, arguments: Any) -> Any:
+def made(name: Any, arguments: Any, budget: Budget) -> Any:
     """Note what a pickle wants made; a dictionary is made at once, since more is put into it."""
     if not isinstance(name, Name) or not isinstance(arguments, tuple):
         raise RefusedError("this pickle would run code (it calls a value)", hostile=True)
@@ -100,7 +127,8 @@ def made(name: Any, arguments: Any) -> Any:
         if not isinstance(name, Name):
             raise RefusedError("this pickle would run code (it makes an object of a value)", hostile=True)
     if name.kind == "dict":
-        pairs = arguments[0] if arguments else []
+        pairs = _list(budget, *arguments[:1])
+        budget.spend(_PER_KEY * len(pairs))
         return {key_of(key): value for key, value in pairs}
     return Made(name, arguments)
 
@@ -115,11 +143,11 @@ def key_of(value: Any) -> Any:
 class Values:
     """Turns what a pickle says into values, each once, counting what they add up to."""
 
-    def __init__(self) -> None:
+    def __init__(self, budget: Budget) -> None:
+        self._budget = budget
         self._known: dict[int, tuple[Any, int] | None] = {}
         self._kept: list[Any] = []
         """What was met, so that no other item can have its identity."""
-        self._sparse_left = LARGEST_COUNT
 
     def of(self, item: Any, depth: int = 0) -> Any:
         """Give the value of an item.
@@ -166,9 +194,9 @@ class Values:
     def _made(self, item: Made, depth: int) -> Any:
         kind, arguments = item.name.kind, item.arguments
         if kind in ("csc", "csr", "coo"):
-            return self._full_matrix(kind, self.of(_attributes(item.state), depth))
+            return self._full_matrix(kind, self._attributes(item.state, depth))
         if kind == "chumpy":
-            state = self.of(_attributes(item.state), depth)
+            state = self._attributes(item.state, depth)
             return state.get("x", state)
         if kind == "array":
             return self._array(item.state, depth)
@@ -178,22 +206,34 @@ class Values:
             return _dtype(arguments, item.state)
         if kind not in _MAKERS:
             raise RefusedError(f"makes something of {item.name.text}, which is no value")
-        return _MAKERS[kind](*(self.of(part, depth) for part in arguments))
+        return _MAKERS[kind](self._budget, *(self.of(part, depth) for part in arguments))
+
+    def _attributes(self, state: Any, depth: int) -> dict[str, Any]:
+        """Attributes of an object; some come as a pair of plain and slotted ones."""
+        parts = state if isinstance(state, tuple) else (state,)
+        merged: dict[str, Any] = {}
+        for part in parts:
+            if isinstance(part, dict):
+                self._budget.spend(2 * _PER_KEY * len(part))  # here, and with their values
+                merged |= part
+            elif part is not None:
+                raise RefusedError("an object has no attributes")
+        values: dict[str, Any] = self.of(merged, depth)
+        return values
 
     def _array(self, state: Any, depth: int) -> NDArray[Any]:
         if not isinstance(state, tuple) or len(state) not in (4, 5):
             raise RefusedError("an array has no content")
         shape, dtype, by_column, raw = (self.of(part, depth) for part in state[-4:])
-        return _filled(raw, dtype, shape, by_column=bool(by_column))
+        return _filled(self._budget, raw, dtype, shape, by_column=bool(by_column))
 
     def _full_matrix(self, kind: str, state: dict[str, Any]) -> NDArray[Any]:
         shape = state.get("_shape", state.get("shape"))
         if not isinstance(shape, tuple) or len(shape) != 2:
             raise RefusedError("a sparse matrix has no shape")
-        size = _size(shape)
-        self._sparse_left -= size
-        if self._sparse_left < 0:
-            raise RefusedError(f"its sparse matrices have more than {LARGEST_COUNT:,} places")
+        self._budget.spend(_size(shape))
+        for part in (*state.values(), *(state.get("coords") or ())):
+            self._budget.spend(part.size if isinstance(part, np.ndarray) else 0)
         rows, columns = _places(kind, state)
         data = _numbers(state, "data")
         full = np.zeros(shape)
@@ -231,18 +271,6 @@ def _numbers(state: dict[str, Any], name: str, *, whole: bool = False) -> NDArra
     return array.astype(np.int64) if whole else array
 
 
-def _attributes(state: Any) -> dict[str, Any]:
-    """Attributes of an object; some come as a pair of plain and slotted ones."""
-    parts = state if isinstance(state, tuple) else (state,)
-    merged: dict[str, Any] = {}
-    for part in parts:
-        if isinstance(part, dict):
-            merged |= part
-        elif part is not None:
-            raise RefusedError("an object has no attributes")
-    return merged
-
-
 def _size(shape: Any) -> int:
     if (
         not isinstance(shape, tuple)
@@ -253,11 +281,11 @@ def _size(shape: Any) -> int:
     return math.prod(shape)
 
 
-def _filled(raw: Any, dtype: Any, shape: Any, *, by_column: bool) -> NDArray[Any]:
+def _filled(budget: Budget, raw: Any, dtype: Any, shape: Any, *, by_column: bool = False) -> NDArray[Any]:
     """Make an array of the bytes that are there, never of more."""
     if not isinstance(dtype, np.dtype):
         raise RefusedError("an array has no type")
-    content = raw.encode("latin-1") if isinstance(raw, str) else raw
+    content = _bytes(budget, raw) if isinstance(raw, str) else raw
     if not isinstance(content, bytes | bytearray):
         raise RefusedError("an array is not made of plain numbers")
     size = _size(shape)
@@ -280,16 +308,28 @@ def _dtype(arguments: Any, state: Any) -> np.dtype[Any]:
     return dtype
 
 
-def _buffer(raw: Any, dtype: Any, shape: Any, order: Any = "C") -> NDArray[Any]:
-    return _filled(raw, dtype, shape, by_column=order == "F")
+def _buffer(
+    budget: Budget, raw: Any, dtype: Any, shape: Any, order: Any = "C", axes: Any = None
+) -> NDArray[Any]:
+    """Make an array as protocol 5 has it; with "K", its axes are those stored, in another order."""
+    if order != "K":
+        return _filled(budget, raw, dtype, shape, by_column=order == "F")
+    array = _filled(budget, raw, dtype, shape)
+    whole = isinstance(axes, list | tuple) and all(type(axis) is int for axis in axes)
+    if not whole or sorted(axes) != list(range(array.ndim)):
+        raise RefusedError("an array has its axes in no order")
+    return array.transpose(axes)
 
 
-def _scalar(dtype: Any, raw: Any = b"") -> Any:
-    return _filled(raw, dtype, (), by_column=False)[()]
+def _scalar(budget: Budget, dtype: Any, raw: Any = b"") -> Any:
+    budget.spend(dtype.itemsize // 8 if isinstance(dtype, np.dtype) else 0)
+    return _filled(budget, raw, dtype, ())[()]
 
 
-def _bytes(content: Any = b"", encoding: Any = "latin-1") -> bytes:
+def _bytes(budget: Budget, content: Any = b"", encoding: Any = "latin-1") -> bytes:
     """Bytes, which old protocols write as text; never a number of them."""
+    if isinstance(content, str | bytes | bytearray):
+        budget.spend(len(content) // 8)
     if isinstance(content, str) and encoding in ("latin1", "latin-1"):
         return content.encode("latin-1")
     if isinstance(content, bytes | bytearray):
@@ -297,19 +337,22 @@ def _bytes(content: Any = b"", encoding: Any = "latin-1") -> bytes:
     raise RefusedError("asks for memory instead of saying what is in it", hostile=True)
 
 
-def _complex(real: Any, imaginary: Any = 0.0) -> complex:
+def _complex(_: Budget, real: Any, imaginary: Any = 0.0) -> complex:
     if not isinstance(real, float | int) or not isinstance(imaginary, float | int):
         raise RefusedError("a complex number is not made of numbers")
     return complex(real, imaginary)
 
 
-def _set(items: Iterable[Any] = ()) -> set[Any]:
-    return {key_of(item) for item in _list(items)}
+def _set(budget: Budget, items: Iterable[Any] = ()) -> set[Any]:
+    listed = _list(budget, items)
+    budget.spend(_PER_KEY * len(listed))
+    return {key_of(item) for item in listed}
 
 
-def _list(items: Iterable[Any] = ()) -> list[Any]:
+def _list(budget: Budget, items: Iterable[Any] = ()) -> list[Any]:
     if not isinstance(items, list | tuple | set):
         raise RefusedError("a list is not made of one")
+    budget.spend(len(items))
     return list(items)
 
 

@@ -17,7 +17,17 @@ from typing import Any
 
 from studykit.core.errors import InputError
 from studykit.io.packed import read_bytes
-from studykit.io.pickled_objects import Made, Name, RefusedError, Values, key_of, made, named
+from studykit.io.pickled_objects import (
+    LARGEST_COUNT,
+    Budget,
+    Made,
+    Name,
+    RefusedError,
+    Values,
+    key_of,
+    made,
+    named,
+)
 
 LARGEST_BYTES = 170 * 2**20
 """Twenty million numbers and some; what holds more is no take."""
@@ -62,7 +72,9 @@ def read_pickle(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about escapes that mean nothing
-            return Values().of(_Machine(data).result())
+            # What a file has in it may be made once; more than that is made of what it mentions twice.
+            budget = Budget(LARGEST_COUNT + len(data) // 8)
+            return Values(budget).of(_Machine(data, budget).result())
     except RefusedError as refusal:
         remedy = "do not open it; get it again from where it is published" if refusal.hostile else ""
         raise InputError(
@@ -76,7 +88,8 @@ def read_pickle(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> Any:
 class _Machine:
     """Follows the instructions of a pickle on a stack of its own."""
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: bytes, budget: Budget) -> None:
+        self.budget = budget
         self.file = io.BytesIO(data)
         self.stack: list[Any] = []
         self.marks: list[int] = []
@@ -147,11 +160,15 @@ class _Machine:
             raise RefusedError("this pickle would run code (it makes up a name)", hostile=True)
         self.stack.append(named(module, name))
 
+    def call(self, name: Any, arguments: Any) -> None:
+        """Note what is to be made by a call."""
+        self.stack.append(made(name, arguments, self.budget))
+
     def new(self, name: Any, arguments: Any) -> None:
         """Note an object to be made."""
         if not isinstance(name, Name):
             raise RefusedError("this pickle would run code (it makes an object of a value)", hostile=True)
-        self.stack.append(made(name, arguments))
+        self.call(name, arguments)
 
 
 def _quoted(line: bytes) -> str:
@@ -218,7 +235,7 @@ _STEPS: dict[str, Callable[[_Machine, Any], None]] = {
     "SETITEMS": lambda machine, _: machine.into(dict, machine.since_mark()),
     "GLOBAL": lambda machine, words: machine.name(*words.split(" ", 1)),
     "STACK_GLOBAL": lambda machine, _: machine.name(*machine.popped(2)),
-    "REDUCE": lambda machine, _: machine.stack.append(made(*machine.popped(2))),
+    "REDUCE": lambda machine, _: machine.call(*machine.popped(2)),
     "NEWOBJ": lambda machine, _: machine.new(*machine.popped(2)),
     "BUILD": lambda machine, _: machine.build(),
 }

@@ -9,6 +9,7 @@ import lzma
 import os
 import pickle
 import struct
+import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,8 +20,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studykit.core.errors import InputError
+from studykit.io import restricted_pickle
 from studykit.io.restricted_pickle import read_pickle
 
+_frombuffer = np.zeros(2).__reduce_ex__(5)[0]
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
 
 
@@ -28,6 +31,16 @@ def written(folder: Path, data: bytes, name: str = "take.pkl") -> Path:
     path = folder / name
     path.write_bytes(data)
     return path
+
+
+class Calls:
+    """Pickles as a call of a function."""
+
+    def __init__(self, function: object, *arguments: object, state: object = None) -> None:
+        self.reduced = (function, arguments) if state is None else (function, arguments, state)
+
+    def __reduce__(self) -> object:
+        return self.reduced
 
 
 # --- what recordings need ----------------------------------------------------------------------------------
@@ -89,6 +102,26 @@ def test_names_of_other_releases_are_understood(tmp_path: Path) -> None:
         np.testing.assert_array_equal(read_pickle(path), ARRAYS["doubles"])
 
 
+@pytest.mark.parametrize("kind", ["<f8", "<f4"])
+def test_an_array_with_its_axes_in_another_order(tmp_path: Path, kind: str) -> None:
+    array = np.arange(24.0).reshape(2, 3, 4).astype(kind)
+    # As NumPy 2.3 writes array.transpose(1, 2, 0): the shape stored, and the order of its axes.
+    literal = Calls(_frombuffer, array.tobytes(), array.dtype, (2, 3, 4), "K", (1, 2, 0))
+    for value, expected in (
+        (literal, array.transpose(1, 2, 0)),
+        (array.swapaxes(0, 1), array.swapaxes(0, 1)),
+        (array.swapaxes(0, 1).astype(np.float32), array.swapaxes(0, 1)),
+    ):
+        np.testing.assert_array_equal(read_pickle(written(tmp_path, pickle.dumps(value, 5))), expected)
+
+
+@pytest.mark.parametrize("axes", [None, (0, 1), (0, 0, 1), (0, 1, 3), (0, 1, 2.0), (-1, 0, 1), "012"])
+def test_axes_in_no_order_are_refused(tmp_path: Path, axes: object) -> None:
+    value = Calls(_frombuffer, bytes(24), np.dtype("u1"), (2, 3, 4), "K", axes)
+    with pytest.raises(InputError, match="an array has its axes in no order"):
+        read_pickle(written(tmp_path, pickle.dumps(value, 5)))
+
+
 def test_literal_text_of_python_2(tmp_path: Path) -> None:
     # As Python 2.7 and NumPy 1 wrote {'smpl_scaling': array([93.])}, protocol 0: text with escapes.
     data = (
@@ -133,16 +166,6 @@ def test_any_plain_value_comes_out_as_it_went_in(tmp_path_factory, value: object
 
 
 # --- what hostile ones try ---------------------------------------------------------------------------------
-
-
-class Calls:
-    """Pickles as a call of a function."""
-
-    def __init__(self, function: object, *arguments: object, state: object = None) -> None:
-        self.reduced = (function, arguments) if state is None else (function, arguments, state)
-
-    def __reduce__(self) -> object:
-        return self.reduced
 
 
 class Sly(np.ndarray):
@@ -283,6 +306,79 @@ def test_a_bomb_is_refused(tmp_path: Path, name: str) -> None:
     path = written(tmp_path, BOMBS[name])
     with pytest.raises(InputError, match=r"take\.pkl: "):
         read_pickle(path)
+
+
+def copied(name: bytes, argument: bytes, times: int) -> bytes:
+    """Have one argument, which the pickle holds once, made into something again and again."""
+    return b"\x80\x02c" + name + b"\nq\x00" + argument + b"\x85q\x010](" + b"h\x00h\x01R" * times + b"e."
+
+
+def of(item: bytes, times: int) -> bytes:
+    """List one item many times."""
+    return item + b"q\x020](" + b"h\x02" * times + b"e"
+
+
+def text(length: int) -> bytes:
+    return b"X" + struct.pack("<I", length) + b"a" * length
+
+
+COPIED = {
+    "bytes": (b"_codecs\nencode", text(2000)),
+    "lists": (b"builtins\nlist", of(b"N", 400)),
+    "sets": (b"builtins\nset", of(b"K\x01", 400)),
+    "tables": (b"collections\nOrderedDict", of(b"K\x01K\x02\x86", 400)),
+    "texts as numbers": (b"numpy.core.multiarray\nscalar", b""),
+    "objects": (b"chumpy.ch\nCh", b""),
+    "sparse matrices": (b"scipy.sparse\ncsc_matrix", b""),
+}
+SHARED_TEXT = bytes(4000)
+SHARED_STATE = {str(number): None for number in range(100)}
+SHARED_PLACES = np.zeros(400, dtype=np.int32)
+
+
+def shared(name: str, times: int) -> bytes:
+    """Give a pickle in which one thing is copied so many times."""
+    function, argument = COPIED[name]
+    if argument:
+        return copied(function, argument, times)
+    scalar = np.float64(1).__reduce__()[0]
+    dtype = np.dtype("U1000")
+    matrices = [scipy.sparse.csc_matrix((1, 1)) for _ in range(times)]
+    for matrix in matrices:
+        matrix.indptr = SHARED_PLACES
+    return {
+        "texts as numbers": lambda: pickle.dumps([Calls(scalar, dtype, SHARED_TEXT) for _ in range(times)]),
+        "objects": lambda: (
+            b"\x80\x02" + pickle.dumps(SHARED_STATE, 2)[2:-1] + b"q\xff0]("
+            + b"cchumpy.ch\nCh\n)\x81h\xffb" * times + b"e."
+        ),
+        "sparse matrices": lambda: pickle.dumps(matrices, 2),
+    }[name]()  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COPIED)
+def test_what_is_copied_again_and_again_is_counted(
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(restricted_pickle, "LARGEST_COUNT", 20_000)
+    read_pickle(written(tmp_path, shared(name, 2)))
+    with pytest.raises(InputError, match="stands for more than"):
+        read_pickle(written(tmp_path, shared(name, 200)))
+
+
+def test_a_small_file_cannot_fill_the_memory(tmp_path: Path) -> None:
+    for name, argument in {
+        b"_codecs\nencode": text(2_000_000),
+        b"builtins\nlist": of(b"N", 100_000),
+        b"collections\nOrderedDict": of(b"K\x01K\x02\x86", 100_000),
+    }.items():
+        path = written(tmp_path, copied(name, argument, 400))
+        tracemalloc.start()
+        with pytest.raises(InputError, match="stands for more than"):
+            read_pickle(path)
+        most = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert most < 300 * 2**20
 
 
 def test_a_broken_sparse_matrix_is_refused(tmp_path: Path) -> None:
