@@ -161,6 +161,8 @@ def _recipe(source: Path, name: str | None, skeleton: str | None, fps: list[str]
     from studykit.io.datasets.read import find_recipe, named_recipe
     from studykit.io.datasets.recipe import FILE_NAME, Recipe
 
+    if skeleton is not None and skeleton.endswith(".toml"):
+        skeleton = str(Path(skeleton).resolve())  # a map of one's own
     if name is not None:
         recipe = named_recipe(name)
     elif (source / FILE_NAME).exists():

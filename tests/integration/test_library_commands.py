@@ -15,6 +15,7 @@ import pytest
 from studykit.cli import main
 from studykit.library import make_takes, open_library, rating_plan
 from studykit.library.rating import RatingSheet
+from studykit.motion.skeleton import JOINT_NAMES
 
 
 @pytest.fixture(scope="module")
@@ -185,3 +186,20 @@ def test_a_build_that_is_stopped_says_that_it_can_go_on(tmp_path: Path) -> None:
     assert process.returncode == 130
     assert said.splitlines()[-1].startswith("studykit: stopped; the same command goes on where it was")
     assert run("library", "info", out) == 2
+
+
+def test_a_skeleton_of_one_s_own_is_mapped_from_the_command_line(
+    takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "takes"
+    shutil.copytree(takes, folder)
+    (folder / "library.toml").unlink()
+    joints = "".join(f'{name} = "{name}"\n' for name in JOINT_NAMES)
+    (tmp_path / "mine.toml").write_text(f"[joints]\n{joints}")
+    monkeypatch.chdir(tmp_path)
+    build = ("library", "build", "takes", "--out", "library", "--workers", 1, "--skeleton")
+    assert run(*build, "mine.toml") == 0
+    assert "60 segments" in capsys.readouterr().out
+    assert open_library(tmp_path / "library").segments["licence"].unique().tolist() == ["not stated"]
+    assert run(*build[:4], "other", *build[5:], "none.toml") == 2
+    assert "none.toml" in capsys.readouterr().err
