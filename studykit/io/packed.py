@@ -18,13 +18,26 @@ SMALL_BYTES = 2**21
 MOST_UNPACKED = 100
 """How often a recording may hold its packed size once it is not small; real ones hold it up to ten times."""
 
+LEFT_BESIDE = "._"
+"""How the names of the files begin that macOS leaves beside others."""
+
 _CHUNK = 1 << 20
 
 
 def files_ending(folder: Path, *endings: str) -> list[Path]:
-    """List the files below a folder with one of the endings, plain or packed, in the order of their names."""
+    """List the files below a folder with one of the endings, plain or packed, in the order of their names.
+
+    What macOS leaves beside files when it packs or copies them is none of them: ``._01.bvh``, ``__MACOSX``.
+    """
     wanted = tuple(f"{ending}{packed}" for ending in endings for packed in ("", *PACKED))
-    return sorted(path for path in folder.rglob("*") if path.name.lower().endswith(wanted) and path.is_file())
+    return sorted(
+        path
+        for path in folder.rglob("*")
+        if path.name.lower().endswith(wanted)
+        and not path.name.startswith(LEFT_BESIDE)
+        and "__MACOSX" not in path.relative_to(folder).parts
+        and path.is_file()
+    )
 
 
 def read_bytes(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> bytes:

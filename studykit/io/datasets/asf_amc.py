@@ -9,7 +9,7 @@ from studykit.io.asf_amc import read_asf_amc
 from studykit.io.datasets.dataset import Performance
 from studykit.io.datasets.recipe import Recipe
 from studykit.io.datasets.smpl_arrays import plain_stem
-from studykit.io.packed import PACKED, files_ending
+from studykit.io.packed import LEFT_BESIDE, PACKED, files_ending
 from studykit.io.skeleton_map import to_smpl
 
 
@@ -65,4 +65,8 @@ def _skeletons(path: Path) -> list[Path]:
         own = path.with_name(f"{_subject(path)}{ending}")
         if own.is_file():
             return [own]
-    return sorted(one for one in path.parent.iterdir() if one.name.lower().endswith(endings))
+    return sorted(
+        one
+        for one in path.parent.iterdir()
+        if one.name.lower().endswith(endings) and not one.name.startswith(LEFT_BESIDE)
+    )

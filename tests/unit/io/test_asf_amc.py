@@ -188,6 +188,7 @@ def test_the_skeleton_of_the_performer_is_found_or_asked_for(tmp_path: Path) -> 
     assert importer.recognises(tmp_path)
     assert importer.companions(amc) == [asf]
     asf.rename(tmp_path / "someone.asf")  # the only one of the folder
+    (tmp_path / "._someone.asf").write_bytes(b"\0")  # left by macOS
     assert importer.companions(amc) == [tmp_path / "someone.asf"]
     (tmp_path / "other.asf").write_text(ASF)
     assert importer.companions(amc) == []

@@ -8,7 +8,7 @@ import lzma
 import pytest
 
 from studykit.core.errors import InputError
-from studykit.io.packed import read_bytes, read_text
+from studykit.io.packed import files_ending, read_bytes, read_text
 
 TEXT = "HIERARCHY\nROOT Hüfte\n"
 PACKED = {
@@ -22,6 +22,14 @@ PACKED = {
 def test_the_text_is_the_same_however_it_is_packed(tmp_path, name) -> None:
     (tmp_path / name).write_bytes(PACKED[name])
     assert read_text(tmp_path / name) == TEXT
+
+
+def test_what_macos_leaves_beside_files_is_no_take(tmp_path) -> None:
+    base = tmp_path / "__MACOSX"  # a folder that the user names is read, whatever it is called
+    for name in ("b/01.bvh", "b/._01.bvh", "__MACOSX/b/01.bvh", "__MACOSX/._b.bvh", "A.BVH.xz", "a.txt"):
+        (base / name).parent.mkdir(parents=True, exist_ok=True)
+        (base / name).write_text(TEXT)
+    assert files_ending(base, ".bvh") == [base / "A.BVH.xz", base / "b" / "01.bvh"]
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1"])
