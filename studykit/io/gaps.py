@@ -35,13 +35,19 @@ def filled(
     Raises
     ------
     InputError
-        If a point is lost for more than half a second; names the frames, counted from 1.
+        If a point is never seen, or lost for more than half a second; names the frames, counted from 1.
     """
     whole = np.array(positions)
     counts: dict[str, int] = {}
     lost = ~np.all(np.isfinite(positions), axis=-1)
     for point in np.flatnonzero(lost.any(axis=0)):
         gone = np.flatnonzero(lost[:, point])
+        if len(gone) == len(positions):
+            raise InputError(
+                f"{names[point]} is never seen",
+                where=path,
+                remedy="leave it out of the map of markers, or label it in the recording program",
+            )
         for run in np.split(gone, np.flatnonzero(np.diff(gone) > 1) + 1):
             if len(run) > LONGEST_S * frame_rate_hz:
                 raise InputError(

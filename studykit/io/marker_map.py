@@ -48,6 +48,11 @@ class MarkerMap(BaseModel):
     joints: dict[str, tuple[str, ...]]
     """SMPL's joint to markers."""
 
+    @property
+    def markers(self) -> frozenset[str]:
+        """Name the markers that tell a joint."""
+        return frozenset(one for markers in self.joints.values() for one in markers)
+
     @field_validator("joints")
     @classmethod
     def _are_joints(cls, joints: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
@@ -103,7 +108,7 @@ def joints_of(table: MarkerTable, chosen: MarkerMap, path: Path) -> tuple[Floats
     InputError
         If the table lacks a marker of the map.
     """
-    lacking = sorted({one for markers in chosen.joints.values() for one in markers} - set(table.names))
+    lacking = sorted(chosen.markers - set(table.names))
     if lacking:
         remedy = f"choose the set of markers that fits ({', '.join(marker_names())}) or write a map file"
         raise InputError(f"has no marker {lacking[0]!r}", where=path, remedy=remedy)

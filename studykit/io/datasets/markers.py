@@ -42,7 +42,8 @@ class MarkerTables:
     def read(self, path: Path, recipe: Recipe) -> list[Performance]:
         """Read one table and fit a body to it."""
         chosen = marker_map(recipe.skeleton)
-        table = read_marker_table(path)
+        rate = recipe.frame_rate(path.name)  # the recipe is settled for this one file
+        table = read_marker_table(path, used=chosen.markers, frame_rate_hz=rate)
         joints, body = joints_of(table, chosen, path)
         positions = upright(joints * recipe.units_m, recipe.up)
         body = replace(body, offsets=body.offsets * recipe.units_m)
