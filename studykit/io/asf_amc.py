@@ -16,7 +16,7 @@ from studykit.io.skeletal_take import SkeletalTake
 from studykit.motion import rotation
 
 FRAME_RATE_HZ = 120.0
-"""Of the CMU database; the files do not say."""
+"""Of the CMU database, whose files do not say."""
 INCH_M = 0.0254
 """Lengths are inches divided by the `length` that an ASF file names, 0.45 in the CMU database."""
 
@@ -101,7 +101,9 @@ def read_asf(path: Path) -> AsfSkeleton:
 
 
 def read_asf_amc(amc: Path, asf: Path) -> SkeletalTake:
-    """Read a take (.amc) on its skeleton (.asf); lengths come out in metres, at 120 frames a second.
+    """Read a take (.amc) on its skeleton (.asf); lengths come out in metres.
+
+    The rate is what `:SAMPLES-PER-SECOND` says, else 120 frames a second.
 
     Raises
     ------
@@ -114,7 +116,8 @@ def read_asf_amc(amc: Path, asf: Path) -> SkeletalTake:
     the order of its `dof`, the first applied first.
     """
     skeleton = read_asf(asf)
-    numbers, degrees = _frames(amc, skeleton)
+    keywords, rows = _rows(amc)
+    numbers, degrees = _frames(amc, skeleton, rows), "RADIANS" not in keywords
     rotations = rotation.identity(len(numbers), len(skeleton.names))
     root_positions = np.tile(skeleton.root_position, (len(numbers), 1))
     column = 0
@@ -137,7 +140,7 @@ def read_asf_amc(amc: Path, asf: Path) -> SkeletalTake:
         offsets=skeleton.offsets,
         rotations=rotations,
         root_positions=root_positions,
-        frame_rate_hz=FRAME_RATE_HZ,
+        frame_rate_hz=_rate(amc, keywords),
     )
 
 
@@ -263,9 +266,20 @@ def _numbers(words: list[str], count: int, path: Path, number: int) -> tuple[flo
 # --- the motion ------------------------------------------------------------------------------------------
 
 
-def _frames(path: Path, skeleton: AsfSkeleton) -> tuple[Floats, bool]:
-    """Read all rows; give the values, shape (frame, degree of freedom), and whether they are degrees."""
-    keywords, rows = _rows(path)
+def _rate(path: Path, keywords: dict[str, Line]) -> float:
+    if "SAMPLES-PER-SECOND" not in keywords:
+        return FRAME_RATE_HZ
+    number, words = keywords["SAMPLES-PER-SECOND"]
+    (rate,) = _numbers(words, 1, path, number)
+    if not rate > 0.0:
+        raise InputError(
+            "no :SAMPLES-PER-SECOND above zero", where=f"{path}, line {number}", remedy="write the true rate"
+        )
+    return rate
+
+
+def _frames(path: Path, skeleton: AsfSkeleton, rows: list[tuple[int, str]]) -> Floats:
+    """Give the values of all rows, shape (frame, degree of freedom)."""
     sizes = {name: len(dof) for name, dof in zip(skeleton.names, skeleton.dofs, strict=True) if dof}
     height = 1 + len(sizes)
     # The bones of a frame may come in any order, but in the same one in every frame.
@@ -295,7 +309,7 @@ def _frames(path: Path, skeleton: AsfSkeleton) -> tuple[Floats, bool]:
         for number, line in rows:
             numbers = line.split()[1:]
             _numbers(numbers, len(numbers), path, number)
-    return values, "RADIANS" not in keywords
+    return values
 
 
 def _misfit(path: Path, rows: list[tuple[int, str]], order: list[str], sizes: dict[str, int]) -> InputError:
@@ -317,14 +331,16 @@ def _misfit(path: Path, rows: list[tuple[int, str]], order: list[str], sizes: di
     return InputError(problem, where=f"{path}, line {rows[-1][0] if rows else 1}", remedy=_AGAIN)
 
 
-def _rows(path: Path) -> tuple[set[str], list[tuple[int, str]]]:
-    """Give the keywords of an AMC file and its rows, without comments."""
-    keywords: set[str] = set()
+def _rows(path: Path) -> tuple[dict[str, Line], list[tuple[int, str]]]:
+    """Give the keywords of an AMC file, with what they say, and its rows, without comments."""
+    keywords: dict[str, Line] = {}
     rows: list[tuple[int, str]] = []
     for number, line in enumerate(read_text(path).splitlines(), start=1):
-        if line.startswith(":"):
-            keywords.add(line.strip()[1:].upper())
-        elif not line.startswith("#") and line.strip():
+        start = line.lstrip()[:1]
+        if start == ":":
+            keyword, *words = line.split()
+            keywords[keyword[1:].upper()] = (number, words)
+        elif start and start != "#":
             rows.append((number, line))
     if "FULLY-SPECIFIED" not in keywords:
         problem = "no AMC motion: nothing says :FULLY-SPECIFIED"

@@ -17,13 +17,14 @@ class AsfAmcFiles:
     """Takes as AMC text beside the ASF skeletons of their performers.
 
     01_01.amc belongs to 01.asf, or to the only skeleton of its folder. Lengths are settled by the skeleton,
-    so `units_m` stays 1. Files do not say their rate: 120 Hz, as in the CMU database, unless the recipe does.
+    so `units_m` stays 1. The rate is that of the recipe, else what the file says,
+    else 120 Hz, as in the CMU database, whose files do not say.
     """
 
     name = "asf-amc"
     citation = ""
     licence = ""
-    native_format = "AMC text (.amc) with the skeleton (.asf) beside it, plain or packed, 120 frames a second"
+    native_format = "AMC text (.amc) with the skeleton (.asf) beside it, plain or packed"
 
     def recognises(self, folder: Path) -> bool:
         """Tell whether a folder has takes with skeletons."""

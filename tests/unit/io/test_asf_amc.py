@@ -131,7 +131,24 @@ def test_rows_may_stand_in_another_order_than_the_bones(tmp_path: Path) -> None:
     assert read_asf_amc(*write(tmp_path, amc=swapped)).rotations == pytest.approx(first)
 
 
+@pytest.mark.parametrize("keyword", [":SAMPLES-PER-SECOND 60", "  :samples-per-second\t6e1 "])
+def test_a_file_may_say_its_rate(tmp_path: Path, keyword: str) -> None:
+    amc, asf = write(tmp_path, amc=AMC.replace(":DEGREES", f"{keyword}\n:DEGREES"))
+    assert read_asf_amc(amc, asf).frame_rate_hz == 60.0
+
+
+def test_keywords_and_comments_may_be_indented(tmp_path: Path) -> None:
+    indented = AMC.replace(":FULLY", "  :FULLY").replace(":DEGREES", "\t:RADIANS\n  # of the joints")
+    turned = rotation.log(read_asf_amc(*write(tmp_path, amc=indented)).rotations[1, 2])
+    assert turned == pytest.approx([0.0, 30.0 - 10.0 * np.pi, 0.0])
+
+
 BROKEN_AMC = {
+    "no number for a rate": (
+        AMC.replace(":DEGREES", ":SAMPLES-PER-SECOND many"),
+        "line 4: 1 number wanted, not 'many'",
+    ),
+    "a rate of nothing": (AMC.replace(":DEGREES", ":SAMPLES-PER-SECOND 0"), "line 4: no :SAMPLES-PER-SECOND"),
     "empty": ("", "no AMC motion"),
     "junk": ("<html>\n" * 5, "no AMC motion"),
     "no frames": (AMC[: AMC.index("1\nroot")], "there are no frames"),
