@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
-from studykit.io.packed import read_text
+from studykit.io.packed import read_lines
 from studykit.io.skeletal_take import SkeletalTake
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
@@ -23,7 +24,7 @@ LARGEST = 1e7
 """No angle in degrees and no length in any unit in use is larger."""
 
 _AGAIN = "export the take again"
-_CHANNELS = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
+_CHANNELS = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
 _POSITIONS = ("Xposition", "Yposition", "Zposition")
 
 
@@ -42,8 +43,16 @@ def read_bvh(path: Path) -> SkeletalTake:
     ------
     InputError
         If the file is empty, cut off or not BVH; names the file and the line.
+
+    Notes
+    -----
+    Position channels of the root add to its OFFSET: the offset is where the root stands at rest, and its
+    channels move it from there. Most programs write an offset of zero, so that nothing depends on it; where
+    one writes the place of the first frame into both, the whole take is displaced by a constant, and no pose
+    or movement is changed. Below the root position channels stand in place of the OFFSET, since the programs
+    that write them there (MotionBuilder among others) give the whole way from the parent.
     """
-    lines = read_text(path).splitlines()
+    lines = read_lines(path)
     if not any(line.strip() for line in lines):
         raise InputError("the file is empty", where=path, remedy=_AGAIN)
     joints, motion_line = _read_hierarchy(path, lines)
@@ -102,16 +111,15 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
     known: set[str] = set()
     open_joints: list[int | None] = []  # None stands for an end site
     pending: int | None = None
-    for number, line in enumerate(lines):
-        words = line.split()
-        place = f"{path}, line {number + 1}"
+    for number, words in _statements(lines):
         match words:
-            case [] | ["HIERARCHY"]:
+            case ["HIERARCHY"]:
                 continue
             case ["ROOT" | "JOINT", name, *rest] if open_joints or not joints:
                 pending = len(joints)
-                joints.append(_Joint(name=" ".join((name, *rest)), parent=_parent(open_joints, place)))
-                _check_new(joints[-1].name, known, place)
+                parent = _parent(open_joints, path, number)
+                joints.append(_Joint(name=" ".join((name, *rest)), parent=parent))
+                _check_new(joints[-1].name, known, path, number)
             case ["End", *_]:
                 pending = None
             case ["{"]:
@@ -119,49 +127,64 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
             case ["}"] if open_joints:
                 open_joints.pop()
             case ["OFFSET", *numbers] if open_joints:
-                _set_offset(joints, open_joints[-1], numbers, place)
+                _set_offset(joints, open_joints[-1], numbers, path, number)
             case ["CHANNELS", count, *names] if open_joints and open_joints[-1] is not None:
-                joints[open_joints[-1]].channels = _checked_channels(count, names, place)
+                joints[open_joints[-1]].channels = _checked_channels(count, names, path, number)
             case ["MOTION"] if joints and not open_joints:
                 return joints, number
             case _:
-                raise InputError(f"not BVH: {line.strip()[:40]!r}", where=place, remedy=_AGAIN)
-    place = f"{path}, line {len(lines)}"
-    raise InputError("the file ends before its motion", where=place, remedy=_AGAIN)
+                raise _broken(f"not BVH: {lines[number - 1].strip()[:40]!r}", path, number)
+    raise _broken("the file ends before its motion", path, len(lines))
 
 
-def _check_new(name: str, known: set[str], place: str) -> None:
+def _statements(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
+    """Give the words of each line and its number; a brace on a joint's own line comes by itself."""
+    for number, line in enumerate(lines, start=1):
+        words = line.split()
+        if len(words) > 1 and words[-1] == "{" and words[0] in ("ROOT", "JOINT", "End"):
+            yield number, words[:-1]
+            yield number, ["{"]
+        elif words:
+            yield number, words
+
+
+def _broken(problem: str, path: Path, number: int) -> InputError:
+    return InputError(problem, where=f"{path}, line {number}", remedy=_AGAIN)
+
+
+def _check_new(name: str, known: set[str], path: Path, number: int) -> None:
     if name in known:
-        raise InputError(f"a second joint called {name[:40]!r}", where=place, remedy=_AGAIN)
+        raise _broken(f"a second joint called {name[:40]!r}", path, number)
     known.add(name)
     if len(known) > MOST_JOINTS:
-        raise InputError(f"more than {MOST_JOINTS} joints", where=place, remedy=_AGAIN)
+        raise _broken(f"more than {MOST_JOINTS} joints", path, number)
 
 
-def _parent(open_joints: list[int | None], place: str) -> int:
+def _parent(open_joints: list[int | None], path: Path, number: int) -> int:
     parent = open_joints[-1] if open_joints else -1
     if parent is None:
-        raise InputError("a joint inside an end site", where=place, remedy=_AGAIN)
+        raise _broken("a joint inside an end site", path, number)
     return parent
 
 
-def _checked_channels(count: str, names: list[str], place: str) -> tuple[str, ...]:
+def _checked_channels(count: str, names: list[str], path: Path, number: int) -> tuple[str, ...]:
     if count != str(len(names)):
-        raise InputError(f"{count[:12]} channels promised, {len(names)} named", where=place, remedy=_AGAIN)
+        raise _broken(f"{count[:12]} channels promised, {len(names)} named", path, number)
     if len(names) > len(_CHANNELS):
-        raise InputError(f"{len(names)} channels in one joint", where=place, remedy=_AGAIN)
-    if len(_CHANNELS.intersection(names)) != len(names):
-        raise InputError(f"channels {' '.join(names)[:80]}, not all known", where=place, remedy=_AGAIN)
-    return tuple(names)
+        raise _broken(f"{len(names)} channels in one joint", path, number)
+    known = tuple(_CHANNELS[name.lower()] for name in names if name.lower() in _CHANNELS)
+    if len(set(known)) != len(names):
+        raise _broken(f"channels {' '.join(names)[:80]}, not all known", path, number)
+    return known
 
 
-def _set_offset(joints: list[_Joint], joint: int | None, numbers: list[str], place: str) -> None:
+def _set_offset(joints: list[_Joint], joint: int | None, numbers: list[str], path: Path, number: int) -> None:
     try:
-        offset = tuple(float(number) for number in numbers)
+        offset = tuple(float(one) for one in numbers)
     except ValueError:
         offset = ()
-    if len(offset) != 3 or not all(abs(number) <= LARGEST for number in offset):
-        raise InputError("an OFFSET needs three numbers", where=place, remedy=_AGAIN)
+    if len(offset) != 3 or not all(abs(one) <= LARGEST for one in offset):
+        raise _broken("an OFFSET needs three numbers", path, number)
     if joint is not None:
         joints[joint].offset = offset
 
@@ -171,13 +194,14 @@ def _read_frames(
 ) -> tuple[float, Floats]:
     """Read the frames below MOTION; give the frame time (s) and the values, shape (frame, channel)."""
     channels = sum(len(joint.channels) for joint in joints)
-    place = f"{path}, line {motion_line + 2}"
-    head = [line.replace(":", " ").split() for line in lines[motion_line + 1 : motion_line + 3]]
+    below = [(n, line) for n, line in enumerate(lines[motion_line:], motion_line + 1) if line.strip()]
+    place = f"{path}, line {below[0][0] if below else motion_line + 1}"
+    head = [line.replace(":", " ").split() for _, line in below[:2]]
+    rows = below[2:]
     try:
         frames, frame_time = int(head[0][-1]), float(head[1][-1])
     except (IndexError, ValueError):
         raise InputError("no number of frames or no frame time", where=place, remedy=_AGAIN) from None
-    rows = [(n, line) for n, line in enumerate(lines[motion_line + 3 :], motion_line + 4) if line.strip()]
     if frames < 1 or not 1.0 / LARGEST <= frame_time <= LARGEST:
         raise InputError("no frames, or no frame time above zero", where=place, remedy=_AGAIN)
     if len(rows) != frames:

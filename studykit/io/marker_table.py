@@ -12,7 +12,7 @@ from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.io.bvh import LARGEST, MOST_NUMBERS
 from studykit.io.gaps import filled
-from studykit.io.packed import read_text
+from studykit.io.packed import read_lines
 
 MOST_MARKERS = 1000
 
@@ -68,7 +68,7 @@ def read_marker_table(
     InputError
         If the table is broken or a marker is lost for too long; names the file and the line.
     """
-    lines = read_text(path).splitlines()
+    lines = read_lines(path)
     header, first = _header(path, lines)
     names = header["MARKER_NAMES"][0]
     rate = _number(path, header, "FREQUENCY") if frame_rate_hz is None else frame_rate_hz

@@ -14,9 +14,16 @@ PACKED = (".xz", ".gz")
 LARGEST_BYTES = 2**30
 """No take is larger than this (an hour at 120 Hz as text); what unpacks to more is not a take."""
 
+MOST_LINES = 2_000_000
+"""No take with a line a frame has more (an hour at 120 Hz has 432 thousand)."""
+
 SMALL_BYTES = 2**21
 MOST_UNPACKED = 100
 """How often a recording may hold its packed size once it is not small; real ones hold it up to ten times."""
+
+_LINE_ENDS = ("\n", "\r", "\v", "\f", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029")
+_ENDS_OF_OLD = "\x1a\0"
+# The end of a text as CP/M and DOS wrote it, or what filled its last block.
 
 LEFT_BESIDE = "._"
 """How the names of the files begin that macOS leaves beside others."""
@@ -86,3 +93,20 @@ def read_text(path: Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")
+
+
+def read_lines(path: Path) -> list[str]:
+    """Read the lines of a text file that has a line a frame; see `read_text`.
+
+    What old programs put behind the last line (Ctrl-Z, zeros) falls out.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or has more lines than a take; they are counted before they are cut.
+    """
+    text = read_text(path).rstrip(_ENDS_OF_OLD)
+    if sum(map(text.count, _LINE_ENDS)) > MOST_LINES:
+        problem = f"has more than {MOST_LINES} lines"
+        raise InputError(problem, where=path, remedy="it is not a take, or must be cut into several")
+    return text.splitlines()

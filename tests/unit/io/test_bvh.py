@@ -10,6 +10,7 @@ import pytest
 
 from studykit.core.errors import InputError
 from studykit.io.bvh import bvh_text, read_bvh
+from studykit.io.packed import MOST_LINES
 from studykit.io.skeletal_take import SkeletalTake
 from studykit.io.skeleton_map import to_smpl
 from studykit.motion import kinematics, rotation
@@ -192,6 +193,44 @@ def test_gimbal_lock_is_written_and_read_again(tmp_path) -> None:
     again = read(tmp_path, bvh_text(dance))
     smpl = to_smpl(again, "smpl", units_m=0.01)
     assert rotation.between(smpl.rotations, rotations) == pytest.approx(np.zeros((3, 24, 3)), abs=1e-5)
+
+
+HABITS = {
+    "an empty line after MOTION": ("MOTION\n", "MOTION\n\n"),
+    "empty lines round the frame time": ("Frame Time", "\n\t\nFrame Time"),
+    "channels with large letters": (
+        "Xposition Yposition Zposition Zrotation",
+        "XPosition YPOSITION zposition ZRotation",
+    ),
+    "a Ctrl-Z at the end": ("0 90 0  0 0 0  0 0 0  0 0 0\n", "0 90 0  0 0 0  0 0 0  0 0 0\n\x1a"),
+    "zeros at the end": ("0 90 0  0 0 0  0 0 0  0 0 0\n", "0 90 0  0 0 0  0 0 0  0 0 0\n\0\0"),
+    "a brace behind the root": ("ROOT Hips\n{", "ROOT Hips {"),
+    "a brace behind a joint": ("JOINT RightAnkle\n{", "JOINT RightAnkle\t{"),
+    "a brace behind every end": ("End Site\n{", "End Site {"),
+}
+
+
+@pytest.mark.parametrize("habit", HABITS)
+def test_habits_of_other_programs_change_nothing(tmp_path, habit) -> None:
+    plain, other = HABITS[habit]
+    assert plain in LEGS
+    expected, take = read(tmp_path, LEGS), read(tmp_path, LEGS.replace(plain, other))
+    assert take.joint_names == expected.joint_names
+    assert take.parents == expected.parents
+    np.testing.assert_array_equal(positions(take), positions(expected))
+
+
+def test_the_way_of_the_root_adds_to_where_it_stands(tmp_path) -> None:
+    moved = read(tmp_path, LEGS.replace("\n0 0 0 0 0 0 ", "\n1 2 3 0 0 0 "))
+    assert moved.root_positions.tolist() == [[1.0, 92.0, 3.0]]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r", "\f", "\x85", "\u2028"])
+def test_lines_without_end_are_counted_and_not_cut(tmp_path, end, monkeypatch) -> None:
+    text = "HIERARCHY\n" + end * MOST_LINES
+    monkeypatch.setattr("studykit.io.packed.read_text", lambda path: text)
+    with pytest.raises(InputError, match=r"take\.bvh: has more than 2000000 lines"):
+        read_bvh(tmp_path / "take.bvh")
 
 
 ROW = "0 0 0 0 0 0  0 90 0  0 0 0  0 0 0  0 0 0"
