@@ -56,8 +56,23 @@ def read_npy(path: Path) -> NDArray[Any]:
         raise _broken(path, error) from error
 
 
-def read_npz(path: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+class _ObjectsError(ValueError):
+    """An array holds objects, which only unpickling could read."""
+
+
+def read_npz(
+    path: Path, names: tuple[str, ...], *, dispensable: tuple[str, ...] = ()
+) -> dict[str, NDArray[Any]]:
     """Read those of the named arrays that an .npz file has; the others are not touched.
+
+    Parameters
+    ----------
+    path : Path
+        The file, plain or packed (.xz, .gz).
+    names : tuple of str
+        What to read.
+    dispensable : tuple of str
+        What to read, and to leave out where it holds objects.
 
     Raises
     ------
@@ -70,10 +85,15 @@ def read_npz(path: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
     try:
         with ZipFile(io.BytesIO(data)) as archive:
             there = set(archive.namelist())
-            for name in names:
+            for name in (*names, *dispensable):
                 if f"{name}.npy" not in there:
                     continue
-                arrays[name] = _array(_member(archive, f"{name}.npy", left))
+                try:
+                    arrays[name] = _array(_member(archive, f"{name}.npy", left))
+                except _ObjectsError:
+                    if name not in dispensable:
+                        raise
+                    continue
                 left -= arrays[name].nbytes
     except _FAULTS as error:
         raise _broken(path, error) from error
@@ -117,7 +137,7 @@ def _array(data: bytes) -> NDArray[Any]:
         warnings.simplefilter("ignore")  # about headers of Python 2
         shape, by_column, dtype = readers[version](file)
     if dtype.kind not in "biufcSU" or dtype.itemsize == 0:
-        raise ValueError("it holds objects, not numbers or text")
+        raise _ObjectsError("it holds objects, not numbers or text")
     if len(shape) > 32 or not all(type(length) is int and 0 <= length < 2**40 for length in shape):
         raise ValueError("it has no shape")
     there = len(data) - file.tell()

@@ -25,6 +25,7 @@ from studykit.io.datasets import smpl_arrays
 from studykit.io.datasets.amass import Amass
 from studykit.io.datasets.dataset import Performance
 from studykit.io.datasets.known import DATASETS
+from studykit.io.datasets.read import read_takes
 from studykit.io.datasets.recipe import Recipe
 from studykit.io.datasets.smplx_body import SMPLX_BODY
 from studykit.io.skeleton_map import to_smpl
@@ -381,7 +382,7 @@ def test_a_literal_person_of_amass_stands_upright_and_is_not_mirrored(tmp_path: 
     (one,) = read("amass", amass_file(tmp_path))
     assert upright(one.motion)
     assert one.motion.frame_rate_hz == 120.0
-    assert (one.genre, one.performer) == ("ACCAD", "Female1General_c3d")
+    assert (one.genre, one.performer, one.notes) == ("", "ACCAD Female1General_c3d", "")
     # The pelvis was 3 m high and 2 m along +Y, but for where SMPL has it: (x, y, z) -> (x, z, -y).
     np.testing.assert_allclose(
         one.motion.root_positions[0], [1 - 0.001795, 3 + 0.028219, -2 + 0.223333], atol=1e-9
@@ -398,47 +399,106 @@ def test_a_left_arm_of_amass_that_is_raised_stays_the_left_one(tmp_path: Path) -
     assert joints[AT["left_shoulder"], 0] > joints[AT["right_shoulder"], 0]
 
 
-def test_humanml3ds_reflection_would_be_noticed(tmp_path: Path) -> None:
-    """Wrong: y and z swapped (determinant -1), which mirrors the body."""
-    path = amass_file(tmp_path)
-    z_up = np.load(path)["poses"][:, :3]
-    reflection = np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])
-    assert np.linalg.det(reflection) == pytest.approx(-1.0)
-    rest = kinematics.centred_positions(NEUTRAL_BODY, rotation.identity(24))
-    turned = rotation.rotate(rotation.exp(z_up)[0], rest)
-    swapped = turned @ reflection.T
-    proper = turned @ np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]).T
-    np.testing.assert_allclose(proper, rest, atol=1e-12)
-    ahead = swapped[AT["left_foot"], 2] - swapped[AT["left_ankle"], 2]
-    left = swapped[AT["left_hip"], 0] - swapped[AT["right_hip"], 0]
-    assert ahead * left < 0.0  # toes behind, left still left: no person
-
-
 @pytest.mark.parametrize(
-    ("gender", "body"), [("male", AIST_BODY), (b"male", AIST_BODY), (b"female", NEUTRAL_BODY)]
+    ("gender", "body"),
+    [
+        ("male", AIST_BODY),
+        (b"male", AIST_BODY),
+        (" Male\n", AIST_BODY),
+        ("b'male'", AIST_BODY),
+        ('b"MALE"', AIST_BODY),
+        (["male"], AIST_BODY),
+        (b"female", NEUTRAL_BODY),
+        ("neutral", NEUTRAL_BODY),
+    ],
 )
 def test_gender_may_be_text_or_bytes(tmp_path: Path, gender: object, body: object) -> None:
     (one,) = read("amass", amass_file(tmp_path, gender=np.array(gender)))
     assert one.motion.skeleton is body
+    assert one.notes == ""
 
 
-def test_a_smplx_archive_says_the_same_as_a_smplh_one(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("gender", "note"),
+    [
+        (np.array("robot"), "gender 'robot' counts as neutral"),
+        (np.array("male " * 50), "gender 'male male male male ' counts as neutral"),
+        (np.array("male", dtype=object), "gender is not said and counts as neutral"),
+        (np.array(["male", "male"]), "gender is not said and counts as neutral"),
+        (np.array(1), "gender is not said and counts as neutral"),
+        (None, "gender is not said and counts as neutral"),
+    ],
+)
+def test_a_gender_that_nobody_can_read_is_noted(tmp_path: Path, gender: object, note: str) -> None:
+    (one,) = read("amass", amass_file(tmp_path, gender=gender))
+    assert one.motion.skeleton is NEUTRAL_BODY
+    assert one.notes == note
+
+
+AMASS_FORMS = [{}, {"gender": "male"}, {"smplx": True}, {"smplx": True, "joined": False}]
+
+
+@pytest.mark.parametrize("words", AMASS_FORMS)
+def test_a_smplx_archive_says_the_same_as_a_smplh_one(tmp_path: Path, words: dict[str, object]) -> None:
     vectors = np.random.default_rng(0).normal(scale=0.4, size=(1, 6, 24, 3))
     dance = {"vectors": vectors, "pelvis": np.ones((1, 6, 3)), "rate": np.array(59.94)}
-    for smplx in (False, True):
-        path = native("amass").write(tmp_path / str(smplx), dance, smplx=smplx)
-        assert Amass().items(tmp_path / str(smplx)) == [path]
+    path = native("amass").write(tmp_path, dance, **words)
+    assert Amass().items(tmp_path) == [path]
+    (one,) = read("amass", path)
+    np.testing.assert_allclose(rotation.log(one.motion.rotations)[:, :22], vectors[0, :, :22], atol=1e-12)
+    np.testing.assert_allclose(one.motion.root_positions, 1.0, atol=1e-12)
+    assert one.motion.frame_rate_hz == 59.94
+    men = AIST_BODY if "gender" in words else NEUTRAL_BODY
+    assert one.motion.skeleton is (SMPLX_BODY if "smplx" in words else men)
+
+
+@pytest.mark.parametrize(
+    ("model", "body"),
+    [
+        ("smplh", AIST_BODY),
+        (b"SMPLH", AIST_BODY),
+        ("smplx", SMPLX_BODY),
+        (b"smplx", SMPLX_BODY),
+        (None, SMPLX_BODY),
+        ("new", SMPLX_BODY),
+    ],
+)
+def test_split_arrays_are_of_the_model_that_the_file_names(
+    tmp_path: Path, model: object, body: object
+) -> None:
+    split = {"poses": None, "root_orient": np.zeros((2, 3)), "pose_body": np.zeros((2, 63))}
+    named = None if model is None else np.array(model)
+    (one,) = read("amass", amass_file(tmp_path, **split, gender=np.array("male"), surface_model_type=named))
+    assert one.motion.skeleton is body
+
+
+def test_a_rate_of_the_recipe_serves_where_the_file_has_none(tmp_path: Path) -> None:
+    path = amass_file(tmp_path, mocap_framerate=None)
+    (take,) = read_takes(path, tmp_path, Recipe(data_set="a", format="amass", frame_rates_hz={"ACCAD/*": 60}))
+    assert take.motion.frame_rate_hz == 60.0
+    own = Recipe(data_set="a", format="amass", frame_rates_hz={"*": 60})
+    (one,) = DATASETS["amass"].read(amass_file(tmp_path), own)
+    assert one.motion.frame_rate_hz == 120.0
+
+
+def test_no_folder_above_the_subject_but_a_collection_of_amass_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    subject = amass_file(tmp_path).parent
+    monkeypatch.chdir(subject)
+    for typed in (".", "..", "../..", "../Female1General_c3d", str(subject), str(tmp_path)):
+        (path,) = Amass().items(Path(typed))
         (one,) = read("amass", path)
-        np.testing.assert_allclose(rotation.log(one.motion.rotations)[:, :22], vectors[0, :, :22], atol=1e-12)
-        np.testing.assert_allclose(one.motion.root_positions, 1.0, atol=1e-12)
-        assert one.motion.frame_rate_hz == 59.94
-        assert (one.motion.skeleton is SMPLX_BODY) == smplx
+        assert (one.performer, one.genre) == ("ACCAD Female1General_c3d", ""), typed
+    mine = tmp_path / "anna" / "takes"
+    mine.mkdir(parents=True)
+    path = (subject / "A1_-_Stand_poses.npz").rename(mine / "A1_-_Stand_poses.npz")
+    assert read("amass", path)[0].performer == "takes"
 
 
 @pytest.mark.parametrize(
     ("changes", "problem"),
     [
-        ({"gender": np.array("robot")}, "gender is neither"),
         ({"mocap_framerate": None}, "has no array mocap_framerate"),
         ({"mocap_framerate": np.array(0.0)}, "mocap_framerate is 0"),
         ({"mocap_framerate": np.array(np.inf)}, "mocap_framerate has inf"),
@@ -520,6 +580,7 @@ ROUND_TRIPS: dict[str, tuple[str, Callable[[ModuleType, Path, dict[str, np.ndarr
     "finedance 168": ("finedance", lambda w, f, d: w.write(f, d, width=168), 24),
     "amass SMPL-H": ("amass", lambda w, f, d: w.write(f, d, gender="male"), 22),
     "amass SMPL-X": ("amass", lambda w, f, d: w.write(f, d, smplx=True), 22),
+    "amass SMPL-X, split": ("amass", lambda w, f, d: w.write(f, d, smplx=True, joined=False), 22),
     "smpl-npz": ("smpl-npz", lambda w, f, d: w.write(f, d), 24),
 }
 
