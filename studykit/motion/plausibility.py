@@ -22,6 +22,8 @@ _LEAST_UPRIGHT = 0.4  # cosine of trunk and vertical, half of the time; breakdan
 _SAME_WAY = 0.8  # length of the mean direction of the trunk; lying about in a dance: below 0.77
 _FOLD_M = 0.2  # legs that fold by less tell nothing of the way of the pelvis
 _FOLLOWS = (0.4, 2.5)  # how far the pelvis sinks when legs fold by a metre; real: 0.8 to 1.2
+_FLOOR_M = 0.05  # a body whose lowest joint is no higher over its low percentile stands on something
+_LEAST_STANDING = 0.2  # share of the frames that must be so before they are asked alone
 
 
 class Fault(NamedTuple):
@@ -93,14 +95,32 @@ def _stance(motion: Motion, positions: Floats) -> Fault | None:
         return Fault(f"the body is {how} throughout", 'check which axis of the file is up (up = "Z")')
     height = -positions[..., 1].min(axis=1)
     if _spread(height) > _FOLD_M:
-        pelvis = motion.root_positions[:, 1]
-        sinks = float(np.mean((height - height.mean()) * (pelvis - pelvis.mean())) / height.var())
+        sinks = _sinks(motion.root_positions[:, 1], height)
         if not _FOLLOWS[0] < sinks < _FOLLOWS[1]:
             return Fault(
                 f"the pelvis sinks by {sinks:.2g} m for each metre by which the body folds to the floor",
                 "check the unit of length of the way (units_m), and which axis is up",
             )
     return None
+
+
+def _sinks(pelvis: Floats, height: Floats) -> float:
+    """Give how far the pelvis sinks (m) for each metre by which the body folds.
+
+    In a jump with drawn-up legs it rises as they fold, so where it does not follow throughout, the frames on
+    the floor are asked alone: those of a way in the wrong unit or direction do not follow either.
+    """
+    lowest = pelvis - height
+    standing = lowest < np.percentile(lowest, 5.0) + _FLOOR_M
+    sinks = _slope(pelvis, height)
+    if _FOLLOWS[0] < sinks < _FOLLOWS[1] or np.mean(standing) < _LEAST_STANDING:
+        return sinks
+    return _slope(pelvis[standing], height[standing])
+
+
+def _slope(values: Floats, over: Floats) -> float:
+    away = over - over.mean()
+    return float(np.mean(away * (values - values.mean())) / max(float(over.var()), 1e-12))
 
 
 def _spread(values: Floats) -> float:

@@ -18,16 +18,33 @@ SECONDS, RATE = 8, 60.0
 def squats(depth_rad: float = 1.2) -> Motion:
     """Give deep squats on flat feet, the pelvis as far over the floor as the body reaches down."""
     time = np.arange(int(SECONDS * RATE)) / RATE
-    bend = depth_rad * (0.5 - 0.5 * np.cos(2.0 * np.pi * 0.5 * time))
-    turns = np.zeros((len(time), 24, 3))
+    return folded(depth_rad * (0.5 - 0.5 * np.cos(2.0 * np.pi * 0.5 * time)))
+
+
+def folded(bend: np.ndarray) -> Motion:
+    """Give legs folded by angles (rad), the lowest joint on the floor."""
+    turns = np.zeros((len(bend), 24, 3))
     for side in ("left", "right"):
         turns[:, NEUTRAL_BODY.index(f"{side}_hip"), 0] = -bend
         turns[:, NEUTRAL_BODY.index(f"{side}_knee"), 0] = 2.0 * bend
         turns[:, NEUTRAL_BODY.index(f"{side}_ankle"), 0] = -bend
     rotations = rotation.exp(turns)
-    root = np.zeros((len(time), 3))
+    root = np.zeros((len(bend), 3))
     root[:, 1] = -kinematics.centred_positions(NEUTRAL_BODY, rotations)[..., 1].min(axis=1)
     return Motion(skeleton=NEUTRAL_BODY, rotations=rotations, root_positions=root, frame_rate_hz=RATE)
+
+
+def jumps(tuck_rad: float, crouch_rad: float, *, high_m: float = 0.3) -> Motion:
+    """Give a jump every second, crouching on the floor, legs drawn up in the air; the pelvis flies freely."""
+    flight = 2.0 * np.sqrt(2.0 * high_m / 9.81)
+    phase = np.arange(int(4 * RATE)) / RATE % 1.0
+    in_air = phase >= 1.0 - flight
+    part = np.where(in_air, (phase - (1.0 - flight)) / flight, phase / (1.0 - flight))
+    bend = np.where(in_air, tuck_rad, crouch_rad) * np.sin(np.pi * part) ** 2
+    motion = folded(bend)
+    root = np.array(motion.root_positions)
+    root[in_air, 1] = root[:, 1].max() + 4.0 * high_m * (part * (1.0 - part))[in_air]
+    return replace(motion, root_positions=root)
 
 
 def turned(motion: Motion, degrees: tuple[float, float, float]) -> Motion:
@@ -40,6 +57,26 @@ def turned(motion: Motion, degrees: tuple[float, float, float]) -> Motion:
 def test_squats_are_plausible_whichever_way_they_face() -> None:
     for degrees in (0.0, 90.0, -135.0):
         assert implausible(turned(squats(), (0.0, degrees, 0.0))) is None
+
+
+@pytest.mark.parametrize("crouch_rad", [0.5, 0.75, 1.0])
+@pytest.mark.parametrize("tuck_rad", [0.8, 1.2, 1.6])
+def test_jumps_with_drawn_up_legs_are_plausible_and_their_unit_is_still_checked(
+    tuck_rad: float, crouch_rad: float
+) -> None:
+    motion = jumps(tuck_rad, crouch_rad)
+    assert implausible(motion) is None
+    for factor in (0.001, 0.01, 0.1, 10.0, 100.0, 1000.0):
+        fault = implausible(replace(motion, root_positions=factor * motion.root_positions))
+        assert fault is not None
+        assert "units_m" in fault.remedy
+
+
+def test_a_way_upside_down_under_squats_is_noticed() -> None:
+    motion = squats()
+    fault = implausible(replace(motion, root_positions=motion.root_positions * [1.0, -1.0, 1.0]))
+    assert fault is not None
+    assert "the pelvis sinks by -1 m" in fault.problem
 
 
 def test_standing_still_is_plausible() -> None:
