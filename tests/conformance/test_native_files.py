@@ -31,6 +31,7 @@ from studykit.io.datasets.smplx_body import SMPLX_BODY
 from studykit.io.skeleton_map import to_smpl
 from studykit.library.dance_file import write_dances
 from studykit.motion import kinematics, rotation
+from studykit.motion.coco_body import COCO_JOINTS
 from studykit.motion.motion import Motion
 from studykit.motion.plausibility import implausible
 from studykit.motion.retargeting import leg_length, on_neutral_body
@@ -170,6 +171,13 @@ def test_a_wrong_array_is_named_with_its_frame(tmp_path: Path, problem: str) -> 
     assert str(path) in str(caught.value)
 
 
+@pytest.mark.parametrize("scaling", [0.0, -93.0, 1e-300])
+def test_a_wrong_scaling_is_not_called_a_rate(tmp_path: Path, scaling: float) -> None:
+    with pytest.raises(InputError, match="smpl_scaling is") as caught:
+        read("aistpp", aist_file(tmp_path, smpl_scaling=np.array([scaling])))
+    assert "rate" not in str(caught.value).removeprefix(str(tmp_path))
+
+
 def test_half_precision_is_read_without_a_word(tmp_path: Path) -> None:
     (one,) = read("aistpp", aist_file(tmp_path, smpl_poses=np.zeros((2, 72), dtype=np.float16)))
     assert one.motion.rotations.dtype == np.float64
@@ -214,6 +222,53 @@ def test_keypoints_of_nobody_are_named(tmp_path: Path, points: np.ndarray, probl
     assert str(path) in str(caught.value)
 
 
+def seen(folder: Path, frames: int, **gaps: slice) -> Path:
+    """Write somebody who stands and moves the left hand evenly, with points lost for a while, in cm."""
+    points = np.zeros((frames, 17, 3))
+    points[:, :, 1] = [170, 174, 174, 172, 172, 150, 150, 120, 120, 95, 95, 95, 95, 50, 50, 8, 8]
+    points[:, [1, 3, 5, 7, 9, 11, 13, 15], 0] = [3, 7, 18, 18, 18, 10, 10, 10]
+    points[:, [2, 4, 6, 8, 10, 12, 14, 16], 0] = [-3, -7, -18, -18, -18, -10, -10, -10]
+    points[:, :3, 2] = [12, 10, 10]
+    points[:, 9, 2] = np.linspace(0, 15, frames)
+    for name, frames_lost in gaps.items():
+        points[frames_lost, COCO_JOINTS.index(name)] = np.nan
+    path = folder / f"{len(gaps)}.pkl"
+    path.write_bytes(pickle.dumps({"keypoints3d": points}))
+    return path
+
+
+def test_keypoints_lost_for_a_moment_are_filled_in_and_noted(tmp_path: Path) -> None:
+    (whole,) = read("aistpp-keypoints", seen(tmp_path, 90))
+    gaps = {"left_wrist": slice(20, 50), "nose": slice(85, 90)}
+    (one,) = read("aistpp-keypoints", seen(tmp_path, 90, **gaps))
+    assert whole.notes == ""
+    assert one.notes == "frames filled in: nose 5, left_wrist 30"
+    np.testing.assert_allclose(
+        kinematics.joint_positions(one.motion), kinematics.joint_positions(whole.motion), atol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("frames", "gaps", "problem"),
+    [
+        (90, {"left_wrist": slice(20, 51)}, "left_wrist is lost in frames 21-51, more than 0.5 s"),
+        (20, {"left_wrist": slice(0, 20)}, "keypoints3d has left_wrist in no frame"),
+        (
+            90,
+            dict.fromkeys(COCO_JOINTS, slice(7, 8)),
+            "keypoints3d has nan in frame 7, where nothing was seen",
+        ),
+    ],
+)
+def test_keypoints_lost_for_long_are_named(
+    tmp_path: Path, frames: int, gaps: dict[str, slice], problem: str
+) -> None:
+    path = seen(tmp_path, frames, **gaps)
+    with pytest.raises(InputError, match=problem) as caught:
+        read("aistpp-keypoints", path)
+    assert str(path) in str(caught.value)
+
+
 def test_keypoints_on_one_line_still_give_turns(tmp_path: Path) -> None:
     points = np.zeros((3, 17, 3))
     points[:, :, 1] = [170] * 5 + [150, 150, 120, 120, 95, 95, 95, 95, 50, 50, 8, 8]
@@ -240,13 +295,24 @@ def test_groups_may_have_the_root_apart_and_no_hands(tmp_path: Path, body_number
     vectors = np.random.default_rng(0).normal(scale=0.3, size=(2, 5, 24, 3))
     pelvis = np.random.default_rng(1).normal(size=(2, 5, 3))
     dance = {"vectors": vectors, "pelvis": pelvis}
-    path = native("aioz_gdance").write(tmp_path, dance, body_numbers=body_numbers)
+    path = native("aioz_gdance").write(tmp_path, dance, body_numbers=body_numbers, root_too=True)
     performances = read("aioz-gdance", path)
     assert [one.dancer for one in performances] == ["dancer-1", "dancer-2"]
     vectors[:, :, kept:] = 0.0
     for one, turns, places in zip(performances, vectors, pelvis, strict=True):
         np.testing.assert_allclose(rotation.log(one.motion.rotations), turns, atol=1e-12)
         np.testing.assert_allclose(one.motion.root_positions, places, atol=1e-12)
+
+
+def test_groups_with_the_root_in_their_poses_need_it_nowhere_else(tmp_path: Path) -> None:
+    vectors = np.random.default_rng(0).normal(scale=0.3, size=(2, 5, 24, 3))
+    dance = {"vectors": vectors, "pelvis": np.zeros((2, 5, 3))}
+    both, once = (
+        read("aioz-gdance", native("aioz_gdance").write(tmp_path / str(root_too), dance, root_too=root_too))
+        for root_too in (True, False)
+    )
+    for first, second in zip(both, once, strict=True):
+        np.testing.assert_array_equal(first.motion.rotations, second.motion.rotations)
 
 
 # --- FineDance ---------------------------------------------------------------------------------------------
@@ -305,7 +371,7 @@ def test_the_legs_of_smplx_are_as_published() -> None:
 
 @pytest.mark.parametrize(
     ("label", "problem"),
-    [("{", "is no JSON"), ("[" * 100_000, "is no JSON"), ("[1]", "style2"), ('{"style2": 3}', "style2")],
+    [("{", "is no JSON"), ("[" * 100_000, "is no JSON"), ("", "is no JSON")],
 )
 def test_a_broken_label_is_named(tmp_path: Path, label: str, problem: str) -> None:
     dance = {"vectors": np.zeros((1, 3, 24, 3)), "pelvis": np.zeros((1, 3, 3))}
@@ -313,6 +379,27 @@ def test_a_broken_label_is_named(tmp_path: Path, label: str, problem: str) -> No
     (tmp_path / "label_json" / "012.json").write_text(label)
     with pytest.raises(InputError, match=rf"012\.json: .*{problem}"):
         read("finedance", path)
+
+
+@pytest.mark.parametrize(
+    ("label", "genre"),
+    [
+        ('{"style1": "Modern", "style2": " Hip\\n hop "}', "Hip hop"),
+        ('{"style1": "Modern", "style2": ""}', "Modern"),
+        ('{"style1": "Modern", "style2": null}', "Modern"),
+        (json.dumps({"style1": "Modern", "style2": "x" * 101}), "Modern"),
+        ('{"style1": "Modern"}', "Modern"),
+        ('{"style1": [], "style2": 3}', ""),
+        ("{}", ""),
+        ("[1]", ""),
+    ],
+)
+def test_a_label_without_a_fine_style_gives_the_coarse_one(tmp_path: Path, label: str, genre: str) -> None:
+    dance = {"vectors": np.zeros((1, 3, 24, 3)), "pelvis": np.zeros((1, 3, 3))}
+    path = native("finedance").write(tmp_path, dance)
+    (tmp_path / "label_json" / "012.json").write_text(label)
+    (one,) = read("finedance", path)
+    assert one.genre == genre
 
 
 def npy(**header: object) -> bytes:

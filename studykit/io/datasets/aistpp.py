@@ -13,7 +13,7 @@ from studykit.io.datasets.smpl_arrays import (
     numbers,
     part,
     plain_stem,
-    rate_hz,
+    positive,
     rotation_vectors,
     same_length,
 )
@@ -76,7 +76,7 @@ class AistPlusPlus:
         vectors = rotation_vectors(part(values, "smpl_poses", path), "smpl_poses", path)
         places = numbers(part(values, "smpl_trans", path), "smpl_trans", path, shape=(None, 3))
         same_length(vectors, places, "smpl_poses and smpl_trans", path)
-        scaling = rate_hz(part(values, "smpl_scaling", path), "smpl_scaling", path)
+        scaling = positive(part(values, "smpl_scaling", path), "smpl_scaling", path)
         if scaling < SMALLEST_SCALING:
             problem = f"smpl_scaling is {scaling:g}, where others have about 93"
             raise InputError(problem, where=path, remedy="export the file again, or leave it out")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
@@ -21,9 +22,10 @@ from studykit.io.datasets.aistpp import (
 from studykit.io.datasets.dataset import Performance
 from studykit.io.datasets.recipe import Recipe
 from studykit.io.datasets.smpl_arrays import numbers
+from studykit.io.gaps import filled
 from studykit.io.restricted_pickle import read_pickle
 from studykit.io.skeleton_map import LEG_LENGTHS_M
-from studykit.motion.coco_body import body_from_coco
+from studykit.motion.coco_body import COCO_JOINTS, body_from_coco
 from studykit.motion.retargeting import leg_length
 
 _CENTIMETRE = 0.01
@@ -32,7 +34,8 @@ _CENTIMETRE = 0.01
 class AistPlusPlusKeypoints:
     """The 3D keypoints of AIST++: folder `keypoints3d`, one pickle a sequence, centimetres, Y up.
 
-    Of the two tables in a file the smoothed one, `keypoints3d_optim`, is taken if it is there.
+    Of the two tables in a file the smoothed one, `keypoints3d_optim`, is taken if it is there. Points lost
+    for half a second or less are filled in.
     """
 
     name = "aistpp-keypoints"
@@ -56,25 +59,47 @@ class AistPlusPlusKeypoints:
 
     def read(self, path: Path, recipe: Recipe) -> list[Performance]:  # noqa: ARG002
         """Read one sequence and find how SMPL's joints are turned."""
-        positions = _points(read_pickle(path), path) * _CENTIMETRE
-        motion = body_from_coco(positions, frame_rate_hz=FRAME_RATE_HZ)
+        points, lost = _points(read_pickle(path), path)
+        motion = body_from_coco(points * _CENTIMETRE, frame_rate_hz=FRAME_RATE_HZ)
         legs = leg_length(motion.skeleton)
         if not LEG_LENGTHS_M[0] <= legs <= LEG_LENGTHS_M[1]:
             problem = f"legs of {legs:.3g} m (thigh and shank) are nobody's"
             raise InputError(problem, where=path, remedy="check that its lengths are centimetres")
-        return [Performance(motion=motion, performer=performer_of(path), genre=genre_of(path))]
+        counts = ", ".join(f"{point} {frames}" for point, frames in lost.items())
+        notes = f"frames filled in: {counts}" if counts else ""
+        return [Performance(motion=motion, performer=performer_of(path), genre=genre_of(path), notes=notes)]
 
 
-def _points(values: Any, path: Path) -> Floats:
+def _points(values: Any, path: Path) -> tuple[Floats, dict[str, int]]:
+    """Give the points without gaps, and how many frames were filled in for each."""
     names = [
         name for name in ("keypoints3d_optim", "keypoints3d") if isinstance(values, dict) and name in values
     ]
     if not names:
         remedy = "check that it belongs to the data set"
         raise InputError("has no array keypoints3d_optim or keypoints3d", where=path, remedy=remedy)
-    points = numbers(values[names[0]], names[0], path, shape=(None, 17, 3))
+    points, lost = _without_gaps(values[names[0]], names[0], path)
     hips = np.linalg.norm(points[:, 11] - points[:, 12], axis=-1)
     if np.any(hips < 1e-6):
         problem = f"both hips are in one place in frame {np.argmin(hips)}"
         raise InputError(problem, where=path, remedy="export the file again, or leave it out")
-    return points
+    return points, lost
+
+
+def _without_gaps(stored: Any, name: str, path: Path) -> tuple[Floats, dict[str, int]]:
+    is_gap = np.isnan(stored) if isinstance(stored, np.ndarray) and stored.dtype.kind == "f" else False
+    points = numbers(
+        np.where(is_gap, 0.0, stored) if np.any(is_gap) else stored, name, path, shape=(None, 17, 3)
+    )
+    if not np.any(is_gap):
+        return points, {}
+    points[is_gap] = np.nan
+    gone: NDArray[np.bool_] = np.asarray(np.isnan(points).any(axis=-1))
+    remedy = "export the file again, or leave it out"
+    if np.any(gone.all(axis=1)):
+        problem = f"{name} has nan in frame {np.argmax(gone.all(axis=1))}, where nothing was seen"
+        raise InputError(problem, where=path, remedy=remedy)
+    if np.any(gone.all(axis=0)):
+        point = COCO_JOINTS[np.argmax(gone.all(axis=0))]
+        raise InputError(f"{name} has {point} in no frame", where=path, remedy=remedy)
+    return filled(points, COCO_JOINTS, FRAME_RATE_HZ, path)

@@ -25,6 +25,7 @@ FRAME_RATE_HZ = 30.0
 # renderer does.
 _OF_52 = [*range(22), 22, 37]
 _CONTACTS = 4
+_LONGEST_STYLE = 100
 
 
 class FineDance:
@@ -101,18 +102,18 @@ def _label(path: Path) -> Path:
 
 
 def _style(path: Path) -> str:
-    """Give the style that the label of a dance names; empty if the dance has no label."""
+    """Give the style that the label of a dance names, the finer one if it can; empty if there is none."""
     label = _label(path)
     if not label.is_file():
         return ""
-    remedy = "copy the label again, or remove it"
     try:
         values = json.loads(read_text(label))
     except (ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError("is no JSON", where=label, remedy=remedy) from error
-    style = values.get("style2") if isinstance(values, dict) else None
-    if not isinstance(style, str) or not style.strip() or len(style) > 100:
-        raise InputError("names no style2", where=label, remedy=remedy)
-    return " ".join(style.split())
+        raise InputError("is no JSON", where=label, remedy="copy the label again, or remove it") from error
+    for name in ("style2", "style1"):
+        style = values.get(name) if isinstance(values, dict) else None
+        if isinstance(style, str) and style.strip() and len(style) <= _LONGEST_STYLE:
+            return " ".join(style.split())
+    return ""

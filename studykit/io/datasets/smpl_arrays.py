@@ -106,6 +106,23 @@ def rotation_vectors(value: Any, name: str, path: Path) -> Floats:
     return array.reshape(len(array), 24, 3)
 
 
+def positive(
+    value: Any, name: str, path: Path, *, remedy: str = "export the file again, or leave it out"
+) -> float:
+    """Give one positive number, stored in whatever way.
+
+    Raises
+    ------
+    InputError
+        If it is not one positive number.
+    """
+    one = value.reshape(()) if isinstance(value, np.ndarray) and value.size == 1 else value
+    number = float(numbers(one, name, path, shape=()))
+    if not number > 0.0:
+        raise InputError(f"{name} is {number:g}", where=path, remedy=remedy)
+    return number
+
+
 def rate_hz(value: Any, name: str, path: Path) -> float:
     """Give a frame rate, stored as one number in whatever way.
 
@@ -114,11 +131,7 @@ def rate_hz(value: Any, name: str, path: Path) -> float:
     InputError
         If it is not one positive number.
     """
-    one = value.reshape(()) if isinstance(value, np.ndarray) and value.size == 1 else value
-    rate = float(numbers(one, name, path, shape=()))
-    if not rate > 0.0:
-        raise InputError(f"{name} is {rate:g}", where=path, remedy="give the true rate in the file")
-    return rate
+    return positive(value, name, path, remedy="give the true rate in the file")
 
 
 def same_length(first: Floats, second: Floats, names: str, path: Path) -> None:
