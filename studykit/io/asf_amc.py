@@ -100,10 +100,10 @@ def read_asf(path: Path) -> AsfSkeleton:
     )
 
 
-def read_asf_amc(amc: Path, asf: Path) -> SkeletalTake:
+def read_asf_amc(amc: Path, asf: Path, *, frame_rate_hz: float | None = None) -> SkeletalTake:
     """Read a take (.amc) on its skeleton (.asf); lengths come out in metres.
 
-    The rate is what `:SAMPLES-PER-SECOND` says, else 120 frames a second.
+    The rate is the one given, else what `:SAMPLES-PER-SECOND` says, else 120 frames a second.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def read_asf_amc(amc: Path, asf: Path) -> SkeletalTake:
         offsets=skeleton.offsets,
         rotations=rotations,
         root_positions=root_positions,
-        frame_rate_hz=_rate(amc, keywords),
+        frame_rate_hz=_rate(amc, keywords) if frame_rate_hz is None else frame_rate_hz,
     )
 
 

@@ -49,7 +49,8 @@ class AsfAmcFiles:
                 where=path,
                 remedy=f"put the skeleton of its performer beside it as {own}",
             )
-        take = read_asf_amc(path, skeletons[0])
+        rate = recipe.frame_rate(path.name)  # the recipe is settled for this one file
+        take = read_asf_amc(path, skeletons[0], frame_rate_hz=rate)
         motion = to_smpl(take, recipe.skeleton or "cmu-asf", units_m=recipe.units_m)
         return [Performance(motion=motion, performer=plain_stem(skeletons[0]))]
 

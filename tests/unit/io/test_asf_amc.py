@@ -135,6 +135,9 @@ def test_rows_may_stand_in_another_order_than_the_bones(tmp_path: Path) -> None:
 def test_a_file_may_say_its_rate(tmp_path: Path, keyword: str) -> None:
     amc, asf = write(tmp_path, amc=AMC.replace(":DEGREES", f"{keyword}\n:DEGREES"))
     assert read_asf_amc(amc, asf).frame_rate_hz == 60.0
+    assert read_asf_amc(amc, asf, frame_rate_hz=100.0).frame_rate_hz == 100.0
+    amc, asf = write(tmp_path, amc=AMC.replace(":DEGREES", ":SAMPLES-PER-SECOND many\n:DEGREES"))
+    assert read_asf_amc(amc, asf, frame_rate_hz=100.0).frame_rate_hz == 100.0
 
 
 def test_keywords_and_comments_may_be_indented(tmp_path: Path) -> None:
