@@ -123,7 +123,9 @@ def print_info(library: Path) -> None:
             f"  {facts['decisions_ignored']} decisions of a reviewer were made on other versions of takes"
         )
     if facts["rated_dropped"]:
-        show.say("  the raters' targets belonged to other segments and hold no more: rate again")
+        show.say(
+            "  the raters' targets belonged to other segments, or were lost, and hold no more: rate again"
+        )
     for kind in ("genres", "performers", "licences"):
         show.say(f"  {kind}: " + ", ".join(f"{name} ({count})" for name, count in facts[kind].items()))
     _print_targets(facts)

@@ -47,6 +47,11 @@ def files_ending(folder: Path, *endings: str) -> list[Path]:
     )
 
 
+def plain_name(path: Path) -> str:
+    """Give the name of a file without .xz or .gz."""
+    return path.name.removesuffix(path.suffix) if path.suffix in PACKED else path.name
+
+
 def read_bytes(path: Path, *, largest_bytes: int = LARGEST_BYTES) -> bytes:
     """Read a file; one that ends in .xz or .gz is unpacked on the way, and never further than is allowed.
 

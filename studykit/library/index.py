@@ -108,13 +108,15 @@ def _is_intact(folder: Path, manifest: dict[str, Any]) -> bool:
 def _carried_over(
     library: Path, older: dict[str, Any] | None, partial: Path, manifest: dict[str, Any]
 ) -> dict[str, Any]:
-    """Keep the raters' targets where the segments are those that were rated; else say that they are gone."""
+    """Keep the raters' targets where they are whole and the segments those that were rated; else say so."""
     rated = older["rated"] if older else None
     if older is None or rated is None:
         return {}
-    if older["segments_digest"] != manifest["segments_digest"]:
+    source = library / older["index"] / rated
+    is_whole = source.exists() and sha256_of_file(source) == older["files"][rated]
+    if not is_whole or older["segments_digest"] != manifest["segments_digest"]:
         return {"rated_dropped": True}
-    shutil.copyfile(library / older["index"] / rated, partial / rated)
+    shutil.copyfile(source, partial / rated)
     files = manifest["files"] | {rated: older["files"][rated]}
     return {"rated": rated, "files": files, "sha256": sha256_of_value(files)}
 

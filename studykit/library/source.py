@@ -8,7 +8,7 @@ from typing import Protocol
 
 from studykit.core.provenance import sha256_of_file, sha256_of_value
 from studykit.io.datasets.known import DATASETS
-from studykit.io.datasets.read import files_in, plain_path, read_takes
+from studykit.io.datasets.read import files_in, plain_path, read_takes, take_name
 from studykit.io.datasets.recipe import Recipe
 from studykit.io.datasets.take import Take
 
@@ -59,8 +59,7 @@ class TakeFile:
     @property
     def name(self) -> str:
         """The path within the folder, without its endings."""
-        plain = plain_path(self.path, self.folder)
-        return plain.removesuffix(Path(plain).suffix)
+        return take_name(self.path, self.folder)
 
     @property
     def data_set(self) -> str:

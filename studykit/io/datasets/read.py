@@ -13,7 +13,7 @@ from studykit.io.datasets.positions import BODIES
 from studykit.io.datasets.recipe import FILE_NAME, Recipe, built_in_recipes
 from studykit.io.datasets.take import Take, TakeSource
 from studykit.io.marker_map import marker_map, marker_names
-from studykit.io.packed import PACKED, files_ending
+from studykit.io.packed import files_ending, plain_name
 from studykit.io.skeleton_map import skeleton_map, skeleton_names
 from studykit.io.toml_file import read_model
 from studykit.motion.motion import Motion
@@ -129,8 +129,13 @@ def unread_in(folder: Path, recipe: Recipe) -> list[Path]:
 
 def plain_path(path: Path, folder: Path) -> str:
     """Give the path of a file within its folder, with / and without .xz or .gz."""
-    name = path.relative_to(folder).as_posix()
-    return name.removesuffix(path.suffix) if path.suffix in PACKED else name
+    return path.relative_to(folder).with_name(plain_name(path)).as_posix()
+
+
+def take_name(path: Path, folder: Path) -> str:
+    """Give what the takes of a file are called: its path within the folder, without its endings."""
+    plain = plain_path(path, folder)
+    return plain.removesuffix(Path(plain).suffix)
 
 
 def read_takes(path: Path, folder: Path, recipe: Recipe) -> list[Take]:
@@ -143,7 +148,7 @@ def read_takes(path: Path, folder: Path, recipe: Recipe) -> list[Take]:
     """
     dataset = DATASETS[recipe.format]
     plain = plain_path(path, folder)
-    stem = plain.removesuffix(Path(plain).suffix)
+    stem = take_name(path, folder)
     performances = dataset.read(path, recipe.settled(plain))
     names = [f"{stem}/{one.dancer}" if one.dancer else stem for one in performances]
     digest = sha256_of_file(path)

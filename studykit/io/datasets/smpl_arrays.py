@@ -10,7 +10,7 @@ import numpy as np
 
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
-from studykit.io.packed import PACKED
+from studykit.io.packed import plain_name
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import Skeleton
@@ -23,8 +23,7 @@ LARGEST_NUMBER = 1e6
 
 def plain_stem(path: Path) -> str:
     """Give the name of a file without its ending and that of its packing."""
-    name = path.name.removesuffix(path.suffix) if path.suffix in PACKED else path.name
-    return name.rsplit(".", 1)[0]
+    return plain_name(path).rsplit(".", 1)[0]
 
 
 def part(values: Any, name: str, path: Path) -> Any:

@@ -16,6 +16,7 @@ from studykit.core.errors import InputError
 from studykit.core.seeding import stream
 from studykit.io.protocol_file import default_protocol, read_protocol
 from studykit.library import calibrate, index, open_library, store
+from studykit.library.build import build
 from studykit.library.calibrate import CHAINS
 from studykit.library.rating import RatedTargets
 
@@ -146,20 +147,37 @@ def test_every_reading_of_the_paper_s_unit(built) -> None:
     assert table["rotational_energy"].nunique() == 2
 
 
-def test_raters_go_before_percentiles(built_folder: Path, tmp_path: Path) -> None:
-    copy = tmp_path / "copy"
-    shutil.copytree(built_folder, copy)
-    before = open_library(copy)
-    rated = RatedTargets(
+def rated_targets(library_sha256: str) -> RatedTargets:
+    return RatedTargets(
         linear_energy={"light": 1.0, "intense": 2.0},
         rotational_energy={"light": 0.3, "intense": 0.6},
         variety={"easy": 90.0, "hard": 150.0},
         spreads={"linear_energy": 0.5, "rotational_energy": 0.1, "variety": 20.0},
         counts={"light": 12, "intense": 12, "easy": 12, "hard": 12},
         agreement={},
-        library_sha256=before.sha256,
+        library_sha256=library_sha256,
     )
-    index.adopt(copy, rated)
+
+
+@pytest.mark.parametrize("harm", ["changed", "lost"])
+def test_a_build_does_not_carry_broken_targets_over(takes_folder: Path, tmp_path: Path, harm: str) -> None:
+    out = tmp_path / "out"
+    before = build(takes_folder, out)
+    index.adopt(out, rated_targets(before.sha256))
+    path = next(out.glob("index-*/rated-targets-*.json"))
+    path.write_text(path.read_text().replace("150.0", "105.0")) if harm == "changed" else path.unlink()
+    with pytest.raises(InputError, match=r"broken library .*build it again"):
+        open_library(out)
+    assert build(takes_folder, out).calibration.rated is None
+    assert store.read_manifest(out)["rated_dropped"]
+    store.require_intact(out)
+
+
+def test_raters_go_before_percentiles(built_folder: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(built_folder, copy)
+    before = open_library(copy)
+    index.adopt(copy, rated_targets(before.sha256))
     store.require_intact(copy)
     library = open_library(copy)
     assert library.sha256 != before.sha256
