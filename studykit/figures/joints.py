@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
-from studykit.figures import style
-from studykit.motion import kinematics, rotation
-from studykit.motion.skeleton import JOINT_NAMES, NEUTRAL_BODY
+from studykit.figures import body, style
+from studykit.motion.skeleton import JOINT_NAMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +19,6 @@ _KINDS = (
     "head", "neck", "collar", "shoulder", "elbow", "wrist", "hand", "spine3", "spine2", "spine1", "pelvis",
     "hip", "knee", "ankle", "foot",
 )  # fmt: skip
-_LOWERED_ARM_RAD = 1.05
 _TITLES = ("Linear energy", "Rotational energy")
 
 
@@ -65,14 +61,9 @@ def joint_intensity(library: DanceLibrary) -> PaperFigure:
 
 
 def _draw_body(axes: Axes, shares: Floats) -> None:
-    rest = rotation.identity(24)
-    for name, sign in (("left_shoulder", -1.0), ("right_shoulder", 1.0)):
-        rest[JOINT_NAMES.index(name)] = rotation.exp(np.array([0.0, 0.0, sign * _LOWERED_ARM_RAD]))
-    # Seen from the front, the dancer's left is on the right.
-    places = kinematics.centred_positions(NEUTRAL_BODY, rest)[:, :2]
-    for joint, parent in enumerate(NEUTRAL_BODY.parents):
-        if parent >= 0:
-            axes.plot(*places[[parent, joint]].T, color=style.FAINT, linewidth=2.0, zorder=1)
+    places = body.standing()
+    for bone in body.BONES:
+        axes.plot(*places[list(bone)].T, color=style.FAINT, linewidth=2.0, zorder=1)
     drawn = axes.scatter(
         places[:, 0],
         places[:, 1],
@@ -83,20 +74,8 @@ def _draw_body(axes: Axes, shares: Floats) -> None:
         zorder=2,
     )
     drawn.set_gid("joints")
-    for words, name, shift in (("R", "right_hand", -0.1), ("L", "left_hand", 0.1)):
-        place = places[JOINT_NAMES.index(name)]
-        axes.text(place[0] + shift, place[1] - 0.12, words, ha="center", color=style.FAINT)
-    _draw_head(axes, places[JOINT_NAMES.index("head")])
-    axes.set_aspect("equal")
-    axes.margins(0.12)
-    axes.set_axis_off()
-
-
-def _draw_head(axes: Axes, place: Floats) -> None:
-    from matplotlib.patches import Circle
-
-    centre = (float(place[0]), float(place[1]) + 0.05)
-    axes.add_patch(Circle(centre, 0.1, facecolor="none", edgecolor=style.FAINT, linewidth=1.2, zorder=1))
+    body.draw_head(axes, places[body.HEAD], edge=style.FAINT, linewidth=1.2)
+    body.name_sides(axes, places)
 
 
 def _draw_bars(axes: Axes, shares: Floats) -> None:

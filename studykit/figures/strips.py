@@ -11,11 +11,10 @@ import numpy as np
 
 from studykit.core.arrays import Floats, frozen
 from studykit.core.errors import InputError
-from studykit.figures import style
+from studykit.figures import body, style
 from studykit.figures.samples import mean_interval
 from studykit.motion import energy, kinematics
 from studykit.motion.motion import Motion
-from studykit.motion.skeleton import NEUTRAL_BODY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,11 +26,7 @@ if TYPE_CHECKING:
 POSES = 8
 """How many poses of a dance are shown."""
 
-_VIEW_RAD = np.deg2rad(25.0)  # a quarter view: kicks towards the viewer stay visible
 _STRIP_MM, _CURVE_MM, _GAP_MM, _LEFT_MM = 26.0, 12.0, 5.0, 20.0
-_BONES = tuple((parent, joint) for joint, parent in enumerate(NEUTRAL_BODY.parents) if parent >= 0)
-_HEAD = NEUTRAL_BODY.index("head")
-_HEAD_RADIUS_M = 0.10
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -142,7 +137,7 @@ def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: boo
             simulated=simulated,
             synthetic=synthetic,
         )
-        colours = _colours()
+        colours = body.shades(1.0)
         grid = figure.add_gridspec(
             3 * len(strips), 1, height_ratios=[_STRIP_MM + _GAP_MM, _CURVE_MM, _CURVE_MM] * len(strips)
         )
@@ -163,60 +158,21 @@ def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: boo
     return figure
 
 
-def _colours() -> ScalarMappable:
-    import matplotlib as mpl
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import LinearSegmentedColormap, PowerNorm
-
-    # The palest part is cut off: it would vanish on paper. The square root lets light dances show.
-    shades = mpl.colormaps[style.INTENSITY_MAP](np.linspace(0.08, 0.92, 256))
-    return ScalarMappable(
-        PowerNorm(0.5, vmin=0.0, vmax=1.0), LinearSegmentedColormap.from_list("intensity", shades)
-    )
-
-
 def _draw_poses(axes: Axes, strip: DanceStrip, bodies: Poses, colour_of: Any) -> None:
-    from matplotlib.collections import LineCollection
-
     duration_s = strip.motion.duration_s
     axes.set_title(style.words(strip.condition), fontweight="bold", pad=1.0)
-    across, away = (np.cos(_VIEW_RAD), -np.sin(_VIEW_RAD)), (np.sin(_VIEW_RAD), np.cos(_VIEW_RAD))
     top_m = max(1.85, float(bodies.positions[..., 1].max()) + 0.12)
     # Bodies are as wide as they are tall: the strip's axes show seconds across and metres up.
     seconds_a_metre = duration_s / (style.PAGE_MM - _LEFT_MM) * _STRIP_MM / (top_m + 0.06)
-    for time_s, body, work in zip(bodies.times_s, bodies.positions, bodies.intensity, strict=True):
-        flat = body[:, [0, 2]]
-        screen = np.column_stack((time_s + flat @ across * seconds_a_metre, body[:, 1]))
-        depth = flat @ away
-        halves = [
-            (near, (screen[near] + screen[far]) / 2.0)
-            for bone in sorted(_BONES, key=lambda bone: float(depth[list(bone)].sum()))
-            for near, far in (bone, bone[::-1])
-        ]
-        lines = [(screen[joint], middle) for joint, middle in halves]
-        shades = colour_of(work[[joint for joint, _ in halves]])
-        axes.add_collection(LineCollection(lines, colors=style.INK, linewidths=3.2, capstyle="round"))
-        axes.add_collection(LineCollection(lines, colors=shades, linewidths=2.3, capstyle="round"))
-        _draw_head(axes, screen[_HEAD], seconds_a_metre, colour_of(work[_HEAD]))
+    for time_s, pose, work in zip(bodies.times_s, bodies.positions, bodies.intensity, strict=True):
+        screen, depth = body.seen(pose)
+        screen = screen * [seconds_a_metre, 1.0] + [time_s, 0.0]
+        shades = colour_of(work)
+        body.draw_body(axes, screen, shades, depth=depth)
+        body.draw_head(axes, screen[body.HEAD], face=shades[body.HEAD], scale=(seconds_a_metre, 1.0))
     axes.axhline(0.0, color=style.INK, linewidth=0.7, zorder=0)
     axes.set(xlim=(0.0, duration_s), ylim=(-0.06, top_m), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
-
-
-def _draw_head(axes: Axes, centre: Floats, seconds_a_metre: float, colour: Any) -> None:
-    from matplotlib.patches import Ellipse
-
-    axes.add_patch(
-        Ellipse(
-            (float(centre[0]), float(centre[1]) + 0.05),
-            2.0 * _HEAD_RADIUS_M * seconds_a_metre,
-            2.0 * _HEAD_RADIUS_M,
-            facecolor=colour,
-            edgecolor=style.INK,
-            linewidth=0.5,
-            zorder=3,
-        )
-    )
 
 
 def _draw_curve(axes: Axes, strip: DanceStrip, values: Floats, axis_label: str) -> None:
