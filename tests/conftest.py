@@ -11,8 +11,9 @@ import pandas as pd
 import pytest
 
 from studykit.choreography.dance_library import Calibration, DanceLibrary
+from studykit.choreography.neighbours import successors
 from studykit.io.protocol_file import read_protocol
-from studykit.motion import rotation
+from studykit.motion import kinematics, rotation
 from studykit.motion.features import FeatureScaler
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
@@ -83,6 +84,10 @@ def made_library() -> Callable[..., DanceLibrary]:
         turns = rng.normal(scale=0.3, size=(segments, 1, 24, 3)) + np.cumsum(
             rng.normal(scale=0.01, size=(segments, 120, 24, 3)), axis=1
         )
+        rotations = rotation.exp(turns)
+        linear_energies = rng.gamma(2.0, 0.01, size=(segments, 24))
+        rotational_energies = rng.gamma(2.0, 0.005, size=(segments, 24))
+        first_poses, last_poses = rng.normal(scale=0.2, size=(2, segments, 24, 3))
         return DanceLibrary(
             name="made-up",
             segments=pd.DataFrame(
@@ -99,13 +104,16 @@ def made_library() -> Callable[..., DanceLibrary]:
                     "partners": "",
                 }
             ),
-            rotations=rotation.exp(turns),
+            rotations=rotations,
             root_positions=np.tile([0.0, 0.9, 0.0], (segments, 120, 1)),
             features=features,
-            linear_energies=rng.gamma(2.0, 0.01, size=(segments, 24)),
-            rotational_energies=rng.gamma(2.0, 0.005, size=(segments, 24)),
-            first_poses=rng.normal(scale=0.2, size=(segments, 24, 3)),
-            last_poses=rng.normal(scale=0.2, size=(segments, 24, 3)),
+            linear_energies=linear_energies,
+            rotational_energies=rotational_energies,
+            first_poses=first_poses,
+            last_poses=last_poses,
+            peak_speeds=kinematics.angular_speeds(np.moveaxis(rotations, 1, 0), 30.0).max(axis=0),
+            peak_angles=kinematics.rest_angles(rotations).max(axis=1),
+            successors=successors(first_poses, last_poses),
             scaler=FeatureScaler(
                 kinetic_medians=np.ones(72), means=np.full(97, 1.0), deviations=np.full(97, 0.3)
             ),

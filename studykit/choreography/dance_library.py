@@ -9,21 +9,32 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from studykit.core.arrays import Floats, Integers, frozen
+from studykit.choreography.reduction import Reduced
+from studykit.core.arrays import Booleans, Floats, Integers, frozen
 from studykit.core.errors import InputError
 from studykit.motion.features import KINETIC, FeatureScaler
 from studykit.motion.motion import Motion
-from studykit.motion.segmentation import FRAME_RATE_HZ
+from studykit.motion.segmentation import FRAME_RATE_HZ, SEGMENT_S
 from studykit.motion.skeleton import NEUTRAL_BODY
 
 if TYPE_CHECKING:
     import pandas as pd
+    from numpy.typing import NDArray
 
 CHAIN_SEGMENTS = 8
 """Segments in each of the random chains that a library is calibrated on: windows of 32 s, as in the paper."""
 
+MOVEMENT_S = SEGMENT_S - 0.02
+"""Segments of one take that start less than this apart overlap; 120 frames at 30.03 Hz last 3.996 s."""
+
 DENSE_LIMIT = 4096
 """Up to this many segments all distances are kept (134 MB); beyond, they are computed when asked for."""
+
+_ALL_AT_ONCE = (
+    "linear_energies", "rotational_energies", "first_poses", "last_poses", "peak_speeds", "peak_angles",
+)  # fmt: skip
+_STILL_RAD_S = 1e-3
+_AGAIN = "build it again"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -139,12 +150,25 @@ class DanceLibrary:
         Per joint, summed over the poses (119 differences).
     first_poses, last_poses : ndarray, shape (segment, 24, 3), m
         Pelvis-centred boundary poses, each turned to its own facing.
+    peak_speeds : ndarray, shape (segment, 24), rad/s
+        How fast each joint turns relative to its parent at most (119 differences).
+    peak_angles : ndarray, shape (segment, 24), rad
+        How far each joint turns from its rest pose at most; 0 for the pelvis, which turns with the dancer.
+    successors : ndarray, shape (segment, neighbour)
+        The segments that begin nearest to where each ends (Eq. 3), nearest first.
     scaler : FeatureScaler
         Makes features comparable.
     calibration : Calibration
         What is light, intense, varied and smooth here.
     sha256 : str
         Digest of everything above.
+    reduced : Reduced or None
+        Nearly the same distances from far fewer numbers, where not all distances can be kept.
+
+    Raises
+    ------
+    InputError
+        If an energy, a boundary pose or a peak is not a finite number, or a successor is no segment.
     """
 
     name: str
@@ -156,9 +180,19 @@ class DanceLibrary:
     rotational_energies: Floats
     first_poses: Floats
     last_poses: Floats
+    peak_speeds: Floats
+    peak_angles: Floats
+    successors: NDArray[np.int32]
     scaler: FeatureScaler
     calibration: Calibration
     sha256: str
+    reduced: Reduced | None = None
+
+    def __post_init__(self) -> None:
+        for name in _ALL_AT_ONCE:
+            self._require_numbers(name, getattr(self, name), range(len(self)))
+        if np.any((self.successors < 0) | (self.successors >= len(self))):
+            raise InputError("a successor is no segment", where=self.name, remedy=_AGAIN)
 
     def __len__(self) -> int:
         return len(self.segments)
@@ -167,6 +201,38 @@ class DanceLibrary:
     def is_synthetic(self) -> bool:
         """Whether any segment was made up by studykit rather than danced by a person."""
         return bool(self.segments["is_synthetic"].any())
+
+    @property
+    def movements(self) -> tuple[Integers, Floats]:
+        """Number of the take and start (s) of every segment, each shape (segment,): see `same_movement`."""
+        takes = self.segments["take"].factorize()[0].astype(np.int64)
+        return takes, self.segments["start_s"].to_numpy(dtype=np.float64)
+
+    def same_movement(self, first: Any, second: Any) -> Booleans:
+        """Tell which segments show the same movement: of one take less than `MOVEMENT_S` apart.
+
+        A segment and its mirror image have the same take and start, so they are the same movement.
+
+        Parameters
+        ----------
+        first, second : int or ndarray
+            Numbers of segments; they are broadcast.
+        """
+        takes, starts_s = self.movements
+        is_near = np.abs(starts_s[first] - starts_s[second]) < MOVEMENT_S
+        return np.asarray((takes[first] == takes[second]) & is_near)
+
+    def speed_limits(self, percentile: float = 50.0) -> Floats:
+        """Give how fast each joint turns at most in this share (%) of the segments, shape (24,), rad/s.
+
+        Segments in which a joint does not turn at all say nothing of it; a joint that never turns has no
+        limit (infinite).
+        """
+        peaks = np.where(self.peak_speeds > _STILL_RAD_S, self.peak_speeds, np.nan)
+        is_moved = ~np.all(np.isnan(peaks), axis=0)
+        limits = np.full(peaks.shape[1], np.inf)
+        limits[is_moved] = np.nanpercentile(peaks[:, is_moved], percentile, axis=0)
+        return limits
 
     def find(
         self,
@@ -207,17 +273,30 @@ class DanceLibrary:
 
     def motion(self, segment: int) -> Motion:
         """Give one segment as a motion."""
+        rotations, root_positions = self.rotations[segment], self.root_positions[segment]
+        self._require_numbers("rotations", rotations[None], [segment])
+        self._require_numbers("root_positions", root_positions[None], [segment])
         return Motion(
             skeleton=NEUTRAL_BODY,
-            rotations=self.rotations[segment],
-            root_positions=self.root_positions[segment],
+            rotations=rotations,
+            root_positions=root_positions,
             frame_rate_hz=FRAME_RATE_HZ,
         )
 
-    def standardised(self, rows: slice | Floats) -> np.ndarray[Any, np.dtype[np.float32]]:
+    def standardised(self, rows: slice | Integers) -> np.ndarray[Any, np.dtype[np.float32]]:
         """Give feature vectors made comparable across channels, shape (row, 11640)."""
-        values = self.scaler.standardised(np.asarray(self.features[rows])).astype(np.float32)
+        features = np.asarray(self.features[rows])
+        self._require_numbers("features", features, rows)
+        values = self.scaler.standardised(features).astype(np.float32)
         return values.reshape(len(values), int(np.prod(self.features.shape[1:])))
+
+    def _require_numbers(self, name: str, values: Any, rows: Any) -> None:
+        """Refuse what is not a finite number; names the segment."""
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=tuple(range(1, np.ndim(values)))))
+        if len(bad):
+            segment = np.arange(len(self))[rows][bad[0]]
+            problem = f"segment {segment} has {name} that are no numbers"
+            raise InputError(problem, where=self.name, remedy=_AGAIN)
 
     def displacement(self, before: int, after: int) -> float:
         """Give how far the joints jump where one segment follows another (Eq. 3), m."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -36,3 +38,23 @@ class InputError(ValueError):
     def __reduce__(self) -> tuple[Any, ...]:
         # An error comes back from another process whole.
         return partial(InputError, self.problem, remedy=self.remedy, where=self.where), ()
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Say which of the known words was probably meant: a remedy.
+
+    Parameters
+    ----------
+    word : str
+        What was written.
+    known : iterable of str
+        What could have been written.
+
+    Examples
+    --------
+    >>> nearest("right elbow", ["left_elbow", "right_elbow"])
+    'write "right_elbow" if that was meant'
+    """
+    names = list(known)
+    close = get_close_matches(word, names, n=1, cutoff=0.6)
+    return f'write "{close[0]}" if that was meant' if close else f"use one of: {', '.join(names)}"

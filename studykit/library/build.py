@@ -28,7 +28,7 @@ from studykit.library.source import Source, take_files
 Words = Mapping[str, Mapping[str, list[Decision]]]
 """Decisions on the takes of one source: by take, then by the reading that they were made on."""
 
-MEASURES = 1
+MEASURES = 2
 """Raised when takes are read, cleaned or measured otherwise, so that older shards are made again."""
 
 

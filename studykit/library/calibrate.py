@@ -10,6 +10,7 @@ import numpy as np
 
 from studykit.choreography.dance_library import (
     CHAIN_SEGMENTS,
+    MOVEMENT_S,
     Calibration,
     DanceLibrary,
     Rows,
@@ -33,7 +34,6 @@ CHAINS = 1000
 
 _CHUNK = 256
 _UNIT_SEGMENTS = 400
-_HAIR_S = 0.02  # a segment of 120 frames at 29.97 Hz lasts 4.004 s
 _MEDIAN_POSES = 250_000
 
 
@@ -140,11 +140,11 @@ def side_by_side(library: DanceLibrary) -> Integers:
     plain = table[~table["mirrored"].to_numpy(dtype=np.bool_)]
     rows = []
     for _, own in plain.groupby("take", sort=False):
-        ends_s = -np.inf
+        last_s = -np.inf
         for row, start_s in zip(own.index, own["start_s"], strict=True):
-            if start_s > ends_s - _HAIR_S:
+            if start_s - last_s >= MOVEMENT_S:
                 rows.append(row)
-                ends_s = start_s + SEGMENT_S
+                last_s = start_s
     return np.sort(np.array(rows, dtype=np.int64))
 
 
@@ -152,7 +152,7 @@ def _windows(library: DanceLibrary, single: Integers, rng: np.random.Generator) 
     """Eight segments that follow each other in one take, shape (window, 8); at most 1,000 of them."""
     found: list[Any] = []
     for _, own in library.segments.loc[single].groupby("take", sort=False):
-        follows = np.abs(np.diff(own["start_s"].to_numpy()) - SEGMENT_S) < _HAIR_S
+        follows = np.abs(np.diff(own["start_s"].to_numpy()) - SEGMENT_S) < SEGMENT_S - MOVEMENT_S
         rows = own.index.to_numpy()
         found += [
             rows[first : first + CHAIN_SEGMENTS]

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from studykit.choreography.dance_library import DENSE_LIMIT
+from studykit.choreography.reduction import reduced
 from studykit.core import durable
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 
     from studykit.choreography.dance_library import DanceLibrary
 
-INDEXES = 1
+INDEXES = 2
 """Raised when the same shards give another index, so that older ones are written again."""
 
 Outcome = dict[str, Any]
@@ -141,6 +143,8 @@ def _write_files(
     progress: Progress,
 ) -> dict[str, Any]:
     """Write all files of an index but the manifest, which is given back."""
+    from studykit.choreography.neighbours import successors
+
     shards = {
         told["key"]: {
             "prefix": told["prefix"],
@@ -159,6 +163,7 @@ def _write_files(
         if count
     ]
     arrays = {name: np.concatenate([rows[name] for rows in small]) for name in SMALL}
+    arrays["successors"] = successors(arrays["first_poses"], arrays["last_poses"])
     for name, array in arrays.items():
         np.save(folder / f"{name}.npy", array, allow_pickle=False)
     segments = segment_table(outcomes)
@@ -172,6 +177,8 @@ def _write_files(
     uncalibrated = store.load(
         library, folder, name=origin.name, scaler=scaler, calibration=UNCALIBRATED, sha256=""
     )
+    if len(segments) > DENSE_LIMIT:
+        store.write_reduced(folder, reduced(uncalibrated, stream(seed, "axes")))
     calibration = calibrate(uncalibrated, stream(seed, "calibration"), progress=progress)
     store.write_calibration(folder / store.CALIBRATION, scaler, calibration)
     return _manifest(folder, uncalibrated, takes, origin)

@@ -28,6 +28,8 @@ SMALL = {
     "rotational_energies": ((24,), "<f8"),
     "first_poses": ((24, 3), "<f8"),
     "last_poses": ((24, 3), "<f8"),
+    "peak_speeds": ((24,), "<f8"),
+    "peak_angles": ((24,), "<f8"),
 }
 """What the search looks at all the time."""
 
@@ -189,6 +191,7 @@ def _arrays(
         if stop - start >= SEGMENT_FRAMES:
             pose_features[start:stop] = features.pose_features(positions[start:stop], FRAME_RATE_HZ)
     rotations, root_positions = cut(motion, positions, starts)
+    kept = rotations.astype(LARGE["rotations"][1]).astype(np.float64)  # limits hold to the last digit
     frames = starts[:, None] + np.arange(SEGMENT_FRAMES)
     # The 119 steps within each segment; neither energy knows where the body stands or which way it faces.
     within = frames[:, : SEGMENT_FRAMES - 1]
@@ -202,6 +205,8 @@ def _arrays(
         ),
         "first_poses": _facing_ahead(positions[starts]),
         "last_poses": _facing_ahead(positions[starts + SEGMENT_FRAMES - 1]),
+        "peak_speeds": kinematics.angular_speeds(np.moveaxis(kept, 1, 0), FRAME_RATE_HZ).max(axis=0),
+        "peak_angles": kinematics.rest_angles(kept).max(axis=1),
     }
     return {key: arrays[key].astype(dtype) for key, (_, dtype) in (LARGE | SMALL).items()}
 

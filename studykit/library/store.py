@@ -20,6 +20,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from studykit.choreography.dance_library import Calibration, DanceLibrary
+from studykit.choreography.reduction import Reduced
 from studykit.core import durable
 from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_file
@@ -34,12 +35,14 @@ from studykit.motion.features import FeatureScaler
 if TYPE_CHECKING:
     import pandas as pd
 
-VERSION = 2
+VERSION = 3
 MANIFEST = "manifest.json"
 SEGMENTS = "segments.parquet"
 TAKES = "takes.csv"
 SHARDS = "shards.json"
 CALIBRATION = "calibration.npz"
+COORDINATES = "reduced-coordinates.npy"
+RESIDUALS = "reduced-residuals.npy"
 SOURCES = "sources.json"
 LOCK = "building.lock"
 
@@ -233,9 +236,7 @@ def load(
     segments = pd.read_parquet(folder / SEGMENTS)
     shards = read_shards(folder)
     keys, counts = list(shards), [one["segments"] for one in shards.values()]
-    arrays: dict[str, Any] = {
-        key: np.asarray(np.load(folder / f"{key}.npy", mmap_mode="r", allow_pickle=False)) for key in SMALL
-    }
+    arrays: dict[str, Any] = {key: _mapped(folder / f"{key}.npy") for key in (*SMALL, "successors")}
     arrays |= {key: SegmentRows(library, key, keys, counts) for key in LARGE}
     if any(len(array) != len(segments) for array in arrays.values()):
         raise ValueError("arrays of different length")
@@ -243,9 +244,22 @@ def load(
         for file, size in one["sizes"].items():
             if (library / shard.FOLDER / file).stat().st_size != size:
                 raise ValueError(f"{shard.FOLDER}/{file} is cut off")
+    if (folder / COORDINATES).exists():
+        coordinates, residuals = _mapped(folder / COORDINATES), _mapped(folder / RESIDUALS)
+        arrays["reduced"] = Reduced(coordinates=coordinates, residuals=residuals)
     return DanceLibrary(
         name=name, segments=segments, scaler=scaler, calibration=calibration, sha256=sha256, **arrays
     )
+
+
+def _mapped(path: Path) -> Any:
+    return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
+
+
+def write_reduced(folder: Path, said: Reduced) -> None:
+    """Write down where the segments lie along few axes."""
+    np.save(folder / COORDINATES, said.coordinates, allow_pickle=False)
+    np.save(folder / RESIDUALS, said.residuals, allow_pickle=False)
 
 
 def open_library(path: str | Path) -> DanceLibrary:
@@ -278,6 +292,8 @@ def open_library(path: str | Path) -> DanceLibrary:
             calibration=calibration,
             sha256=manifest["sha256"],
         )
+    except InputError as error:
+        raise InputError(f"broken library ({error.problem})", where=library, remedy=_AGAIN) from error
     except (OSError, ValueError, EOFError, KeyError, TypeError, AttributeError, BadZipFile) as error:
         raise InputError(f"broken library ({error})", where=library, remedy=_AGAIN) from error
 

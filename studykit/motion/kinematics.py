@@ -118,3 +118,14 @@ def angular_speeds(rotations: Floats, frame_rate_hz: float) -> Floats:
     step = rotation.multiply(rotation.inverse(rotations[:-1]), rotations[1:])
     sine = np.sqrt(step[..., 1] ** 2 + step[..., 2] ** 2 + step[..., 3] ** 2)
     return np.asarray(2.0 * frame_rate_hz * np.arctan2(sine, np.abs(step[..., 0])))
+
+
+def rest_angles(rotations: Floats) -> Floats:
+    """Give how far each joint is turned from its rest pose, shape (..., joint), rad.
+
+    The root has no rest pose: its rotation is the way the dancer faces, and its angle is 0.
+    """
+    sine = np.linalg.norm(rotations[..., 1:], axis=-1)
+    angles = np.asarray(2.0 * np.arctan2(sine, np.abs(rotations[..., 0])))
+    angles[..., 0] = 0.0
+    return angles

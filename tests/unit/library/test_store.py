@@ -80,7 +80,7 @@ def test_a_broken_library_is_named(built_folder: Path, tmp_path: Path, name: str
         ([], "not a dance library; build one"),
         (
             {"version": 99},
-            r"manifest\.json: a library of version 99, this studykit reads 2; remove the library and build",
+            r"manifest\.json: a library of version 99, this studykit reads 3; remove the library and build",
         ),
     ],
 )
