@@ -45,10 +45,10 @@ class JointMask:
     def __post_init__(self) -> None:
         for name in ("weights", "speed_limits_rad_s", "angle_limits_rad"):
             object.__setattr__(self, name, frozen(getattr(self, name), shape=(_JOINTS,), name=name))
-        _require((self.weights >= 0.0) & (self.weights <= 1.0), "weight", self.weights, "say 0 to 1")
+        _require((self.weights >= 0.0) & (self.weights <= 1.0), "a weight", self.weights, "say 0 to 1")
         for name, limits in (
-            ("speed limit", self.speed_limits_rad_s),
-            ("angle limit", self.angle_limits_rad),
+            ("a speed limit", self.speed_limits_rad_s),
+            ("an angle limit", self.angle_limits_rad),
         ):
             _require(limits > 0.0, name, limits, "say a number above 0, or none")
 
@@ -100,8 +100,11 @@ class JointMask:
                     raise InputError(
                         f'"{key}" says nothing of a joint', where=name, remedy=nearest(key, columns)
                     )
-                if value is not None:
-                    columns[key][joint] = value
+                try:
+                    columns[key][joint] = columns[key][joint] if value is None else float(value)
+                except (TypeError, ValueError):
+                    problem = f"a {key} of {value!r}"
+                    raise InputError(problem, where=name, remedy="say a number") from None
         return cls(weights=columns.pop("weight"), **columns)
 
 
@@ -194,14 +197,15 @@ def _by_joint(names: Sequence[str], numbers: float | Sequence[float], key: str) 
     own: dict[int, float] = {}
     for name, number in zip(names, given * (len(names) // len(given)), strict=True):
         joint = joint_number(name)
-        if own.setdefault(joint, number) != number:
+        if joint in own and own[joint] != number:
             raise InputError(
                 f"{name} is given both {own[joint]:g} and {number:g}", where=key, remedy="name it once"
             )
+        own[joint] = float(number)
     return own
 
 
 def _require(is_good: Any, what: str, values: Floats, remedy: str) -> None:
     if not np.all(is_good):
         joint = int(np.argmin(is_good))
-        raise InputError(f"a {what} of {values[joint]:g}", where=JOINT_NAMES[joint], remedy=remedy)
+        raise InputError(f"{what} of {values[joint]:g}", where=JOINT_NAMES[joint], remedy=remedy)

@@ -116,3 +116,15 @@ def test_a_body_that_faces_x_faces_a_quarter_turn() -> None:
     toes = positions[0, NEUTRAL_BODY.index("left_foot")] - positions[0, NEUTRAL_BODY.index("left_ankle")]
     assert toes[0] > 0.1  # the feet point to +X
     assert kinematics.facing(positions) == pytest.approx([np.pi / 2], abs=0.03)
+
+
+@given(angle=st.floats(-3.1, 3.1), heading=st.floats(-3.0, 3.0))
+@settings(deadline=None)
+def test_a_joint_is_turned_from_rest_by_its_own_rotation_alone(angle: float, heading: float) -> None:
+    turns = np.zeros((2, 24, 3))
+    turns[1, 5] = np.array([2.0, -1.0, 2.0]) / 3.0 * angle
+    turns[:, 0, 1] = heading
+    angles = kinematics.rest_angles(rotation.exp(turns) * np.array([[[1.0]], [[-1.0]]]))  # q and -q are one
+    assert angles[1, 5] == pytest.approx(abs(angle), abs=1e-7)
+    angles[1, 5] = 0.0
+    assert np.all(angles == 0.0)  # the pelvis too, whichever way it faces

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import combinations
+
 import numpy as np
 import pytest
 
@@ -71,3 +74,74 @@ def test_too_few_segments_are_refused(library) -> None:
     require_segments(library, 6)
     with pytest.raises(InputError, match=r"^made-up: the library has 6 segments, .* needs 8; add takes"):
         require_segments(library, 8)
+
+
+def spoilt(library, name: str, value: float = np.nan):
+    array = np.array(getattr(library, name))
+    array[3].flat[5] = value
+    return replace(library, **{name: array})
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize(
+    "name",
+    ["linear_energies", "rotational_energies", "first_poses", "last_poses", "peak_speeds", "peak_angles"],
+)
+def test_what_is_no_number_is_found_when_a_library_is_opened(library, name: str, value: float) -> None:
+    message = rf"^made-up: segment 3 has {name} that are no numbers; build it again\.$"
+    with pytest.raises(InputError, match=message):
+        spoilt(library, name, value)
+
+
+def test_a_successor_that_is_no_segment_is_found_when_a_library_is_opened(library) -> None:
+    for number in (-1, 6):
+        with pytest.raises(InputError, match="a successor is no segment"):
+            replace(library, successors=np.full_like(library.successors, number))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("name", ["rotations", "root_positions"])
+def test_what_is_no_number_is_found_when_a_segment_is_danced(library, name: str, value: float) -> None:
+    bad = spoilt(library, name, value)
+    bad.motion(2)
+    with pytest.raises(InputError, match=f"segment 3 has {name} that are no numbers"):
+        bad.motion(3)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("limit", [0, 4096])
+def test_features_that_are_no_numbers_are_found_when_compared(library, monkeypatch, value, limit) -> None:
+    monkeypatch.setattr(dance_library, "DENSE_LIMIT", limit)
+    bad = spoilt(library, "features", value)
+    with pytest.raises(InputError, match="segment 3 has features that are no numbers"):
+        SegmentDistances(bad, "euclidean_z").between([0, 1], [2, 3])
+
+
+def test_the_same_movement_is_of_one_take_and_overlaps(library) -> None:
+    table = library.segments.assign(
+        take=["a", "a", "a", "a", "b", "b"],
+        start_s=[0.0, 3.5, 3.996, 0.0, 0.0, 8.0],
+        mirrored=[False, False, False, True, False, False],
+    )
+    library = replace(library, segments=table)
+    same = library.same_movement(np.arange(6)[:, None], np.arange(6))
+    # 0 and 1 overlap, 1 and 2 as well; 2 follows 0 at a rate of 30.03 Hz; 3 is the mirror image of 0.
+    expected = {(0, 1), (1, 2), (0, 3), (1, 3)}
+    assert {(a, b) for a, b in combinations(range(6), 2) if same[a, b]} == expected
+    assert np.array_equal(same, same.T)
+    assert same.diagonal().all()
+    assert library.same_movement(0, 3)
+    takes, starts_s = library.movements
+    assert (takes.dtype, starts_s.dtype) == (np.int64, np.float64)
+    assert takes.tolist() == [0, 0, 0, 0, 1, 1]
+
+
+def test_speed_limits_are_what_joints_do_in_segments_that_move_them(library) -> None:
+    peaks = np.tile(np.arange(1.0, 7.0)[:, None], (1, 24))
+    peaks[:, 5] = 0.0
+    peaks[[0, 2, 4], 6] = 0.0
+    library = replace(library, peak_speeds=peaks)
+    assert library.speed_limits()[0] == 3.5
+    assert library.speed_limits(25.0)[0] == 2.25
+    assert library.speed_limits()[5] == np.inf
+    assert library.speed_limits()[6] == 4.0

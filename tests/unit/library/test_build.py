@@ -7,20 +7,22 @@ import lzma
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from studykit.choreography.dance_library import DanceLibrary
+from studykit.choreography.dance_library import DanceLibrary, distances
+from studykit.choreography.neighbours import successors
 from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_file, sha256_of_value
 from studykit.io.bvh import read_bvh
 from studykit.io.datasets.read import files_in, find_recipe, read_takes
 from studykit.io.datasets.take import Take, TakeSource
 from studykit.io.skeleton_map import to_smpl
-from studykit.library import make_sample, open_library, shard, store
+from studykit.library import index, make_sample, open_library, shard, store
 from studykit.library.build import build, build_from
 from studykit.library.measure import Settings
 from studykit.library.origin import Origin
@@ -144,6 +146,41 @@ def test_every_row_is_measured_on_its_own_120_poses(built, takes_folder: Path) -
     assert built.features[row][0, :72] != pytest.approx(
         features.pose_features(positions[frames], 30.0)[0, :72], rel=1e-3, abs=1e-9
     )
+
+
+def test_peaks_are_those_of_the_poses_that_are_danced(built) -> None:
+    for row in range(len(built)):
+        motion = built.motion(row)
+        steps = [
+            (rotation.log(rotation.multiply(rotation.inverse(one), other)))
+            for one, other in pairwise(motion.rotations)
+        ]
+        speeds = 30.0 * np.linalg.norm(steps, axis=-1).max(axis=0)
+        angles = np.linalg.norm(rotation.log(motion.rotations), axis=-1).max(axis=0)
+        # To the last digit, so that a limit set at a segment's own peak lets it pass.
+        assert built.peak_speeds[row] == pytest.approx(speeds, rel=1e-9, abs=1e-9)
+        assert built.peak_angles[row][1:] == pytest.approx(angles[1:], rel=1e-9, abs=1e-9)
+        assert built.peak_angles[row][0] == 0.0
+    assert built.peak_speeds.max() > 1.0
+
+
+def test_successors_are_kept_with_the_library(built) -> None:
+    assert np.array_equal(built.successors, successors(built.first_poses, built.last_poses))
+    assert built.successors.shape == (len(built), len(built) - 1)
+    first = [built.displacement(row, int(after[0])) for row, after in enumerate(built.successors)]
+    last = [built.displacement(row, int(after[-1])) for row, after in enumerate(built.successors)]
+    assert np.all(np.array(first) < np.array(last))
+
+
+def test_a_large_library_keeps_reduced_distances(
+    takes_folder: Path, built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert built.reduced is None
+    monkeypatch.setattr(index, "DENSE_LIMIT", 8)
+    large = build({takes_folder: find_recipe(takes_folder)}, tmp_path / "large", settings=Settings(seed=5))
+    assert large.reduced is not None
+    exact = distances(built, "euclidean_z").between(range(9), range(9))
+    assert large.reduced.between(range(9), range(9)) == pytest.approx(exact, rel=1e-3, abs=1e-2)
 
 
 def test_segments_and_boundary_poses_look_ahead(built) -> None:
@@ -472,6 +509,10 @@ def test_mirrored_segments_are_the_same_dance_with_the_sides_exchanged(
     assert table["mirrored"].sum() == 9
     plain, other = both.find(mirrored=False), both.find(mirrored=True)
     assert both.linear_energies[plain] == pytest.approx(built.linear_energies)
+    same = both.same_movement(np.arange(18)[:, None], np.arange(18))
+    assert {(a, b) for a, b in zip(*np.nonzero(same), strict=True) if a < b} == set(
+        zip(plain, other, strict=True)
+    )
     swap = list(NEUTRAL_BODY.mirror)
     assert both.rotational_energies[other].sum() == pytest.approx(both.rotational_energies[plain].sum(), 0.05)
     turned = np.asarray(both.rotations[plain])[:, :, swap] * np.array([1.0, 1.0, -1.0, -1.0])

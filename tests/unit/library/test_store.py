@@ -101,6 +101,21 @@ def test_arrays_of_different_length_are_refused(built_folder: Path, tmp_path: Pa
         open_library(copy)
 
 
+@pytest.mark.parametrize("name", ["first_poses", "peak_speeds", "successors"])
+def test_arrays_that_make_no_sense_are_refused(built_folder: Path, tmp_path: Path, name: str) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(built_folder, copy)
+    path = store.index_folder(copy) / f"{name}.npy"
+    array = np.load(path)
+    array[2] = -1 if name == "successors" else np.nan
+    np.save(path, array)
+    what = (
+        "a successor is no segment" if name == "successors" else f"segment 2 has {name} that are no numbers"
+    )
+    with pytest.raises(InputError, match=rf"copy: broken library \({what}\); build it again\.$"):
+        open_library(copy)
+
+
 def test_calibration_and_scaler_come_back_as_they_were(built, tmp_path: Path) -> None:
     store.write_calibration(tmp_path / "saved.npz", built.scaler, built.calibration)
     scaler, calibration = store.read_calibration(tmp_path / "saved.npz")
