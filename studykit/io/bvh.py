@@ -255,8 +255,11 @@ def bvh_text(motion: Motion) -> str:
         out.append(f"{pad}}}")
 
     joint(0, 0)
-    angles = np.rad2deg(rotation.to_euler("ZXY", motion.rotations[:, opened])).reshape(len(motion), -1)
-    values = np.concatenate((100.0 * motion.root_positions, angles), axis=1)
+    # Angles go on beyond half a turn: programs that draw curves through them would else spin the joint back.
+    angles = np.unwrap(rotation.to_euler("ZXY", motion.rotations[:, opened]), axis=0)
+    values = np.concatenate(
+        (100.0 * motion.root_positions, np.rad2deg(angles).reshape(len(motion), -1)), axis=1
+    )
     out.extend(("MOTION", f"Frames: {len(motion)}", f"Frame Time: {1.0 / motion.frame_rate_hz:.12f}"))
     out.extend(" ".join(f"{value:.4f}" for value in row) for row in values)
     return "\n".join(out) + "\n"

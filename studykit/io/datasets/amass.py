@@ -126,12 +126,21 @@ def _performer(path: Path) -> str:
 
 def y_up(motion: Motion) -> Motion:
     """Turn a movement with Z up by a quarter about X, so that Y is up and left stays left."""
+    return _tipped(motion, _QUARTER_TURN)
+
+
+def z_up(motion: Motion) -> Motion:
+    """Undo `y_up`."""
+    return _tipped(motion, rotation.inverse(_QUARTER_TURN))
+
+
+def _tipped(motion: Motion, turn: Floats) -> Motion:
     rotations = np.array(motion.rotations)
-    rotations[:, 0] = rotation.multiply(_QUARTER_TURN, rotations[:, 0])
+    rotations[:, 0] = rotation.multiply(turn, rotations[:, 0])
     return Motion(
         skeleton=motion.skeleton,
         rotations=rotations,
-        root_positions=rotation.rotate(_QUARTER_TURN, motion.root_positions),
+        root_positions=rotation.rotate(turn, motion.root_positions),
         frame_rate_hz=motion.frame_rate_hz,
     )
 

@@ -14,6 +14,7 @@ from studykit.choreography.dance import Dance
 from studykit.choreography.goal import goal
 from studykit.choreography.preset import STUDYKIT
 from studykit.choreography.rjmcmc.schedule import Schedule
+from studykit.core.durable import put
 from studykit.core.errors import InputError
 from studykit.io.bvh import read_bvh
 from studykit.io.protocol_file import read_protocol
@@ -69,13 +70,62 @@ def test_a_dance_comes_back_as_it_was(made, folder: Path) -> None:
 
 def test_the_archive_is_that_of_amass(made, folder: Path) -> None:
     with np.load(folder / "light-easy-on.npz", allow_pickle=False) as saved:
-        assert saved["poses"].shape == (960, 72)
-        assert saved["trans"].shape == (960, 3)
-        assert np.array_equal(saved["betas"], np.zeros(10))
+        assert saved["poses"].shape == (960, 156)
+        assert saved["dmpls"].shape == (960, 8)
+        assert np.array_equal(saved["betas"], np.zeros(16))
         assert str(saved["gender"]) == "neutral"
         assert float(saved["mocap_framerate"]) == 30.0
-        # SMPL adds its own rest pelvis to the translation.
-        assert saved["trans"] + NEUTRAL_PELVIS == pytest.approx(made.motion.root_positions)
+        # Z is up, and SMPL adds its own rest pelvis to the translation.
+        x, y, z = (saved["trans"] + NEUTRAL_PELVIS).T
+        assert np.stack((x, z, -y), axis=1) == pytest.approx(made.motion.root_positions)
+
+
+def test_the_avatar_says_where_it_comes_from(made, folder: Path) -> None:
+    data = (folder / "light-easy-on.glb").read_bytes()
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    assert document["asset"]["extras"] == {
+        "condition": "light-easy-on",
+        "is_synthetic": True,
+        "licences": ["CC0-1.0"],
+        "sha256": made.sha256,
+    }
+    assert document["animations"][0]["name"] == "light-easy-on"
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 4_000_000
+
+
+def test_tables_of_joints_come_when_asked_for(made, folder: Path, tmp_path: Path) -> None:
+    assert sorted(path.suffix for path in folder.iterdir()) == [".bvh", ".glb", ".json", ".npz"]
+    write_dances({made.condition: made}, tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    write_dances({made.condition: made}, tmp_path, with_joint_tables=True)
+    table = (tmp_path / "light-easy-on.csv").read_text().splitlines()
+    assert len(table) == 1 + 960
+    assert table[0].startswith("time_s,pelvis_x,pelvis_y,pelvis_z,left_hip_x")
+    assert all((tmp_path / name).read_bytes() == content for name, content in before.items())
+
+
+@pytest.mark.parametrize("failing", ["bvh", "glb", "npz", "json"])
+def test_a_dance_is_whole_or_not_there(
+    made, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: str
+) -> None:
+    def full(path: Path, content: bytes | str) -> None:
+        if path.suffix == f".{failing}":
+            raise OSError(28, "No space left on device")
+        put(path, content)
+
+    with monkeypatch.context() as patched:
+        patched.setattr("studykit.library.dance_file.put", full)
+        with pytest.raises(InputError, match=r"cannot be written \(No space left on device\)"):
+            write_dances({made.condition: made}, tmp_path)
+    with pytest.raises(InputError, match="no dances here"):
+        read_dances(tmp_path)
+    # What was left is written anew.
+    for path in tmp_path.iterdir():
+        path.write_bytes(b"old")
+    write_dances({made.condition: made}, tmp_path)
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {
+        p.name: p.read_bytes() for p in folder.iterdir()
+    }
 
 
 def test_the_bvh_shows_the_same_dance(made, folder: Path) -> None:
