@@ -79,7 +79,7 @@ class MotionPlayer(anywidget.AnyWidget):
         `frame_rate_hz` (30); `joint_values`, one a joint, colour the joints, with their meaning in
         `joint_values_label`; `marks`, (start_s, stop_s, label, kind) with a kind of flag, keep, cut or note;
         `ghost`, the positions of a second figure, with its `ghost_name`; `title`; `is_synthetic`; `time_s`,
-        `is_playing`, `speed`, `is_looping`.
+        `is_playing`, `speed`, `is_looping`, `is_mirrored` (as in a mirror, to dance along).
 
     Raises
     ------
@@ -109,6 +109,7 @@ class MotionPlayer(anywidget.AnyWidget):
     is_playing = traitlets.Bool().tag(sync=True)
     speed = traitlets.Enum(SPEEDS, 1.0).tag(sync=True)
     is_looping = traitlets.Bool(default_value=True).tag(sync=True)
+    is_mirrored = traitlets.Bool().tag(sync=True)
 
     def __init__(
         self,

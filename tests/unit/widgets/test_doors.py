@@ -28,7 +28,14 @@ def test_importing_the_room_brings_in_no_widget_library(tmp_path: Path) -> None:
 
 
 def test_every_door_opens() -> None:
-    assert sorted(studykit.widgets.__all__) == ["MotionPlayer", "library_browser", "rating", "review"]
+    assert sorted(studykit.widgets.__all__) == [
+        "MotionPlayer",
+        "dance_designer",
+        "joint_picker",
+        "library_browser",
+        "rating",
+        "review",
+    ]
     for name in studykit.widgets.__all__:
         assert callable(getattr(studykit.widgets, name))
     with pytest.raises(AttributeError, match="stage"):

@@ -71,7 +71,7 @@ def test_nothing_that_could_sway_crosses_to_the_browser(
     own = {
         "positions", "ghost", "parents", "sides", "head_joint", "room", "frame_rate_hz", "is_synthetic",
         "questions", "total", "done", "turn", "can_undo", "status", "time_s", "is_playing", "speed",
-        "is_looping", "ghost_name", "joint_values", "joint_values_label", "marks", "title",
+        "is_looping", "is_mirrored", "ghost_name", "joint_values", "joint_values_label", "marks", "title",
     }  # fmt: skip
     foreign = {name for name in state if not name.startswith("_")} - own
     assert foreign == {"layout", "tabbable", "tooltip"}  # every widget has these

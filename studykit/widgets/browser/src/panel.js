@@ -1,5 +1,5 @@
 // The library browser: filters, one page of segments, and the facts of the one that plays.
-import { button, choice, element, fill } from "../../player/src/dom.js";
+import { button, choice, element, fill, hear } from "../../player/src/dom.js";
 
 export class BrowserPanel {
   constructor(model, player, signal) {
@@ -13,14 +13,11 @@ export class BrowserPanel {
     this.body = element("tbody");
     this.pager = element("div", { class: "sk-controls", role: "group", "aria-label": "Pages" });
     this.facts = element("dl", { class: "sk-facts", "aria-label": "The segment that plays" });
-    const hear = (names, act) => {
-      for (const name of names) model.on(`change:${name}`, act);
-      signal.addEventListener("abort", () => names.forEach((name) => model.off(`change:${name}`, act)));
-    };
-    hear(["rows", "selected", "sort", "columns"], () => this.drawTable());
-    hear(["page", "pages", "total"], () => this.drawPager());
-    hear(["facts"], () => this.drawFacts());
-    hear(["filters", "choices"], () => this.drawFilters());
+    const on = (names, act) => hear(model, signal, names, act);
+    on(["rows", "selected", "sort", "columns"], () => this.drawTable());
+    on(["page", "pages", "total"], () => this.drawPager());
+    on(["facts"], () => this.drawFacts());
+    on(["filters", "choices"], () => this.drawFilters());
     this.drawFilters();
     this.drawTable();
     this.drawPager();

@@ -1,10 +1,19 @@
 // Elements of a page. What a person or a file wrote enters as text nodes and attributes, never as markup.
 
+const SVG = "http://www.w3.org/2000/svg";
+
 /** Make an element; `attributes` may hold `on...` listeners, which end with `signal`. */
 export function element(tag, attributes = {}, ...children) {
-  const made = document.createElement(tag);
-  const { signal, ...rest } = attributes;
-  for (const [name, value] of Object.entries(rest)) {
+  return dressed(document.createElement(tag), attributes, children);
+}
+
+/** Make an element of a drawing (SVG). */
+export function drawing(tag, attributes = {}, ...children) {
+  return dressed(document.createElementNS(SVG, tag), attributes, children);
+}
+
+function dressed(made, { signal, ...attributes }, children) {
+  for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith("on")) made.addEventListener(name.slice(2), value, { signal });
     else if (name.startsWith("aria-")) made.setAttribute(name, String(value)); // "false" is a word there
     else if (value === true) made.setAttribute(name, "");
@@ -47,4 +56,10 @@ export function clockText(seconds) {
   if (seconds < 60) return `${seconds.toFixed(2)} s`;
   const whole = Math.floor(seconds / 60);
   return `${whole}:${(seconds - 60 * whole).toFixed(2).padStart(5, "0")} min`;
+}
+
+/** Call `act` whenever one of these values of a model changes, until `signal`. */
+export function hear(model, signal, names, act) {
+  for (const name of names) model.on(`change:${name}`, act);
+  signal.addEventListener("abort", () => names.forEach((name) => model.off(`change:${name}`, act)));
 }

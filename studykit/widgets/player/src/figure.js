@@ -68,11 +68,12 @@ export class Figure extends Group {
     return side === "left" || side === "right" ? BONE_M : TRUNK_M;
   }
 
-  /** Take the pose that starts at a place in an array of x, y, z. */
-  pose(positions, start) {
+  /** Take the pose that starts at a place in an array of x, y, z; where `mirror` is given, x becomes mirror - x. */
+  pose(positions, start, mirror) {
+    const across = (x) => (mirror === undefined ? x : mirror - x);
     const at = (joint) =>
       new Vector3(
-        positions[start + 3 * joint],
+        across(positions[start + 3 * joint]),
         positions[start + 3 * joint + 1],
         positions[start + 3 * joint + 2],
       );

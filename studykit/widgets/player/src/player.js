@@ -1,7 +1,7 @@
 // The player: a stage, a line of time and the buttons. It plays on the browser's own clock.
 import { GHOST, SIDES, css, gradient } from "./colours.js";
 import { PlayClock } from "./clock.js";
-import { button, choice, clockText, element, fill, isTyping } from "./dom.js";
+import { button, choice, clockText, element, fill, hear, isTyping } from "./dom.js";
 import { Stage } from "./stage.js";
 import { Timeline } from "./timeline.js";
 
@@ -9,7 +9,7 @@ const SPEEDS = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2];
 const MOVING = ["positions", "ghost", "frame_rate_hz", "joint_values", "marks", "ghost_name", "joint_values_label"];
 const KEYS =
   "Space plays and pauses, the arrows step one frame, Home and End go to the ends, [ and ] go to the marks, " +
-  "- and + change the speed, L loops, F follows, R resets the view, Shift with the arrows turns the view. ";
+  "- and + change the speed, L loops, M mirrors, F follows, R resets the view, Shift with the arrows turns the view. ";
 
 /** Read little-endian 32-bit numbers; the copy makes them start where the browser wants it. */
 function floats(view) {
@@ -70,6 +70,12 @@ export class Player {
       button(words, { "aria-label": label, title: label, signal, onclick, ...more });
     this.playButton = act("▶", "Play", () => this.toggle(), { class: "sk-button sk-play" });
     this.loopButton = act("Loop", "Play again and again", () => this.tell({ is_looping: !this.clock.isLooping }));
+    this.mirrorButton = act(
+      "Mirror",
+      "See it as in a mirror, to dance along",
+      () => this.tell({ is_mirrored: !this.model.get("is_mirrored") }),
+      { class: "sk-button sk-mirror" },
+    );
     this.followButton = act("Follow", "Keep the camera beside the figure", () => this.followFigure());
     this.speed = choice("Speed", SPEEDS.map((speed) => [speed, `${speed}×`]), 1, {
       signal,
@@ -91,6 +97,7 @@ export class Player {
       this.markButtons,
       element("label", { class: "sk-field sk-speed" }, "Speed ", this.speed),
       this.loopButton,
+      this.mirrorButton,
       this.followButton,
       act("Reset view", "See all of it from the front", () => this.stage.resetView()),
       element("details", { class: "sk-keys" }, element("summary", {}, "Keys"), KEYS, this.moreKeys),
@@ -98,12 +105,7 @@ export class Player {
   }
 
   listen() {
-    const hear = (names, act) => {
-      for (const name of names) this.model.on(`change:${name}`, act);
-      this.signal.addEventListener("abort", () => {
-        for (const name of names) this.model.off(`change:${name}`, act);
-      });
-    };
+    const on = (names, act) => hear(this.model, this.signal, names, act);
     // Several values may change at once: they are read together, after the last.
     const soon = () => {
       if (this.isLoading) return;
@@ -113,10 +115,14 @@ export class Player {
         if (!this.signal.aborted) this.load();
       });
     };
-    hear(MOVING, soon);
-    hear(["title", "is_synthetic"], () => this.dress());
-    hear(["speed", "is_looping", "is_playing"], () => this.settle());
-    hear(["time_s"], () => this.heed());
+    on(MOVING, soon);
+    on(["title", "is_synthetic"], () => this.dress());
+    on(["speed", "is_looping", "is_playing"], () => this.settle());
+    on(["is_mirrored"], () => {
+      this.settle();
+      this.show();
+    });
+    on(["time_s"], () => this.heed());
   }
 
   /** Send values to Python. */
@@ -211,6 +217,7 @@ export class Player {
     const isPlaying = model.get("is_playing") && this.positions.length > 0;
     this.speed.value = clock.speed;
     this.loopButton.setAttribute("aria-pressed", clock.isLooping);
+    this.mirrorButton.setAttribute("aria-pressed", model.get("is_mirrored"));
     this.followButton.setAttribute("aria-pressed", this.stage.isFollowing);
     if (isPlaying && !clock.isPlaying) {
       if (clock.frame >= clock.frames - 1) clock.seek(0);
@@ -242,14 +249,16 @@ export class Player {
   show() {
     const { clock, stride } = this;
     const { frame } = clock;
-    if (frame === this.shown?.frame && this.positions === this.shown.positions && this.ghost === this.shown.ghost) {
-      return;
-    }
-    this.shown = { frame, positions: this.positions, ghost: this.ghost };
+    const isMirrored = this.model.get("is_mirrored");
+    const now = { frame, positions: this.positions, ghost: this.ghost, isMirrored };
+    if (this.shown && Object.keys(now).every((each) => now[each] === this.shown[each])) return;
+    this.shown = now;
+    const mirror = isMirrored ? 2 * this.extent.x : undefined;
     const [figure, second] = this.stage.figures;
-    figure?.pose(this.positions, frame * stride);
-    if (second) second.pose(this.ghost, Math.min(frame, this.ghost.length / stride - 1) * stride);
-    this.stage.follow([this.positions[frame * stride], this.positions[frame * stride + 2]]);
+    figure?.pose(this.positions, frame * stride, mirror);
+    if (second) second.pose(this.ghost, Math.min(frame, this.ghost.length / stride - 1) * stride, mirror);
+    const across = this.positions[frame * stride];
+    this.stage.follow([isMirrored ? mirror - across : across, this.positions[frame * stride + 2]]);
     this.stage.draw();
     const of = this.positions.length ? clock.frames : 0;
     const text = `${clockText(frame / clock.rate)} of ${clockText(of / clock.rate)}, frame ${of ? frame + 1 : 0} of ${of}`;
@@ -324,6 +333,7 @@ export class Player {
       "-": () => this.changeSpeed(-1),
       "+": () => this.changeSpeed(1),
       l: () => this.tell({ is_looping: !this.clock.isLooping }),
+      m: () => this.tell({ is_mirrored: !this.model.get("is_mirrored") }),
       f: () => this.followFigure(),
       r: () => this.stage.resetView(),
     };

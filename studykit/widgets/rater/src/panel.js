@@ -1,5 +1,5 @@
 // The blinded rating: one window at a time, two questions, nothing else to see.
-import { button, element, fill } from "../../player/src/dom.js";
+import { button, element, fill, hear } from "../../player/src/dom.js";
 
 export class RaterPanel {
   constructor(model, player, signal) {
@@ -19,15 +19,12 @@ export class RaterPanel {
       onclick: () => model.send({ deed: "undo" }),
     });
     this.again = button("Play again from the start", { signal, onclick: () => this.replay() });
-    const hear = (names, act) => {
-      for (const name of names) model.on(`change:${name}`, act);
-      signal.addEventListener("abort", () => names.forEach((name) => model.off(`change:${name}`, act)));
-    };
-    hear(["turn"], () => {
+    const on = (names, act) => hear(model, signal, names, act);
+    on(["turn"], () => {
       this.answers = {};
       this.draw();
     });
-    hear(["done", "total", "can_undo", "status"], () => this.draw());
+    on(["done", "total", "can_undo", "status"], () => this.draw());
     this.draw();
   }
 

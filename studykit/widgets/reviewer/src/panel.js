@@ -1,5 +1,5 @@
 // The review: the takes, the stretches of one take, and what was decided.
-import { button, choice, clockText, element, fill } from "../../player/src/dom.js";
+import { button, choice, clockText, element, fill, hear } from "../../player/src/dom.js";
 
 const WORDS = { "": "open", keep: "kept", cut: "cut" };
 
@@ -25,18 +25,15 @@ export class ReviewerPanel {
     });
     this.own = element("div", { class: "sk-controls", role: "group", "aria-label": "Cut a stretch of your own" });
     this.undoButton = this.act("Undo", () => this.ask({ deed: "undo" }));
-    const hear = (names, act) => {
-      for (const name of names) model.on(`change:${name}`, act);
-      signal.addEventListener("abort", () => names.forEach((name) => model.off(`change:${name}`, act)));
-    };
-    hear(["takes", "take"], () => this.drawHead());
-    hear(["take"], () => {
+    const on = (names, act) => hear(model, signal, names, act);
+    on(["takes", "take"], () => this.drawHead());
+    on(["take"], () => {
       this.from = this.to = null;
       this.drawOwn();
     });
-    hear(["stretches", "chosen"], () => this.drawStretches());
-    hear(["decisions", "can_undo"], () => this.drawDecisions());
-    hear(["status"], () => (this.status.textContent = model.get("status")));
+    on(["stretches", "chosen"], () => this.drawStretches());
+    on(["decisions", "can_undo"], () => this.drawDecisions());
+    on(["status"], () => (this.status.textContent = model.get("status")));
     this.drawHead();
     this.drawStretches();
     this.drawDecisions();

@@ -1,0 +1,1 @@
+"""The body map: click the joints that are to be spared."""

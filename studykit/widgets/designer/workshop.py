@@ -1,0 +1,180 @@
+"""From settings to dances: the designer's only way to what computes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+import numpy as np
+
+from studykit.choreography.dance_library import DanceLibrary
+from studykit.choreography.goal import ENERGY_HIT
+from studykit.core.errors import InputError
+from studykit.motion.body import DEFAULT_BODY_MASS_KG
+from studykit.motion.segmentation import SEGMENT_S
+from studykit.motion.skeleton import JOINT_NAMES
+from studykit.widgets.body_map.spared import mask
+from studykit.widgets.designer import account
+from studykit.widgets.designer.settings import RANGES, SCHEDULES, Settings
+
+if TYPE_CHECKING:
+    from studykit.choreography.dance import Dance, DanceMeasures
+    from studykit.choreography.goal import Goal
+
+Made = TypeVar("Made")
+
+
+class Source(Protocol):
+    """Who turns words into goals and goals into dances: studykit's choreography, or one in its place."""
+
+    def requested(self, library: DanceLibrary, **words: Any) -> Goal:
+        """Turn words into numbers on a library."""
+
+    def dance(self, goal: Goal, library: DanceLibrary, *, seed: int, is_preview: bool) -> Dance:
+        """Find a dance."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Obstacle:
+    """Why no dance is as asked, and what could be asked instead.
+
+    Parameters
+    ----------
+    sentence : str
+        What stands in the way, and what to do.
+    offer : dict
+        Settings that the library can reach; empty where none is known.
+    words : str
+        The offer in words.
+    """
+
+    sentence: str
+    offer: dict[str, Any] = field(default_factory=dict)
+    words: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give it as plain values."""
+        return {name: getattr(self, name) for name in self.__slots__}
+
+
+class Workshop:
+    """A library, and who makes dances of it.
+
+    Parameters
+    ----------
+    library : DanceLibrary
+        What dances are made of.
+    source : Source, optional
+        Who makes them; studykit's own choreography if not given.
+    """
+
+    def __init__(self, library: DanceLibrary, *, source: Source | None = None) -> None:
+        self.library = library
+        self._source = source or Choreography()
+
+    def scales(self) -> dict[str, Any]:
+        """Give the ends of the sliders, and the words at their places."""
+        return {
+            **{name: list(ends) for name, ends in RANGES.items()},
+            "step_s": SEGMENT_S,
+            "words": {
+                "intensity": [[25.0, "light"], [75.0, "intense"]],
+                "variety": [[0.55, "easy"], [0.94, "hard"]],
+            },
+            "schedules": [[name, words] for name, words in SCHEDULES.items()],
+        }
+
+    def usual_speeds(self) -> dict[str, float]:
+        """Give how fast each joint turns at most in half of the segments, rad/s."""
+        limits = self.library.speed_limits()
+        return {
+            name: float(limit) for name, limit in zip(JOINT_NAMES, limits, strict=True) if np.isfinite(limit)
+        }
+
+    def goal(self, settings: Settings) -> Goal | Obstacle:
+        """Turn settings into numbers, or say what the library cannot reach."""
+        return _tried(
+            lambda: self._source.requested(
+                self.library,
+                duration_s=settings.duration_s,
+                intensity=settings.intensity,
+                variety=settings.variety,
+                transition="on" if settings.transition else "off",
+                spare=mask(settings.weights, settings.speed_limits_rad_s),
+                schedule=None if settings.schedule == "none" else settings.schedule,
+            )
+        )
+
+    def dance(self, goal: Goal, seed: int, *, is_preview: bool) -> Dance | Obstacle:
+        """Find a dance, or say why none was found."""
+        return _tried(lambda: self._source.dance(goal, self.library, seed=seed, is_preview=is_preview))
+
+    def save(self, dance: Dance, folder: str | Path) -> None:
+        """Write a dance to files."""
+        from studykit.library.dance_file import write_dances
+
+        write_dances({dance.condition: dance}, folder)
+
+    def targets(self, goal: Goal) -> dict[str, str]:
+        """Say what the sliders mean in numbers."""
+        linear = sum(block.linear_energy for block in goal.blocks) * DEFAULT_BODY_MASS_KG
+        rotational = sum(block.rotational_energy for block in goal.blocks) * DEFAULT_BODY_MASS_KG
+        return {"intensity": f"{linear:.1f} J linear, {rotational:.1f} J rotational"}
+
+    def blocks(self, goal: Goal, dance: Dance) -> list[dict[str, Any]]:
+        """Set the targets of each block beside what the dance has there."""
+        starts = account.block_starts([block.asked.duration_s for block in dance.blocks])
+        return [
+            {
+                "start_s": start,
+                "stop_s": start + block.asked.duration_s,
+                "measures": account.measure_rows(
+                    block.asked, block.achieved, block.achieved_blended, _tolerances(goal, block.asked)
+                ),
+            }
+            for start, block in zip(starts, dance.blocks, strict=True)
+        ]
+
+    def words(self, dance: Dance, *, is_preview: bool) -> str:
+        """Say in one sentence what was found."""
+        if getattr(dance, "is_interrupted", False):
+            return "The search was stopped; this is the best dance until then."
+        if is_preview:
+            return "A quick look. Find this dance to search it thoroughly."
+        return "Found."
+
+
+def _tried(deed: Callable[[], Made]) -> Made | Obstacle:
+    try:
+        return deed()
+    except InputError as error:
+        return Obstacle(sentence=str(error))
+
+
+def _tolerances(goal: Goal, asked: DanceMeasures) -> dict[str, float]:
+    """Give how far each measure may be off, in its own unit; a term of weight 0 is not asked for."""
+    allowed = {
+        "duration_s": ("duration", 0.0),
+        "linear_energy": ("linear", ENERGY_HIT * asked.linear_energy),
+        "rotational_energy": ("rotational", ENERGY_HIT * asked.rotational_energy),
+        "variety": ("variety", goal.variety_tolerance),
+    }
+    return {name: off for name, (term, off) in allowed.items() if goal.weights.get(term, 1.0) > 0.0}
+
+
+class Choreography:
+    """studykit's own choreography."""
+
+    def requested(self, library: DanceLibrary, **words: Any) -> Goal:
+        """See `studykit.choreography.request.requested`."""
+        from studykit.choreography.request import requested
+
+        return requested(library, **words)
+
+    def dance(self, goal: Goal, library: DanceLibrary, *, seed: int, is_preview: bool) -> Dance:
+        """See `studykit.choreography.choreograph.dance`."""
+        from studykit.choreography.choreograph import dance
+
+        return dance(goal, library, seed=seed, is_preview=is_preview)
