@@ -157,11 +157,12 @@ WATCH = """
 import json, os
 from pathlib import Path
 
-def watch(widget, *names):
+def watch(widget, *names, **more):
     values = {}
     def write(_=None):
         for name in names:
             values[name] = getattr(widget, name)
+        values.update({name: read() for name, read in more.items()})
         Path("state.partial").write_text(json.dumps(values))
         os.replace("state.partial", "state.json")
     widget.observe(write, list(names))
