@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from studykit.widgets.body_map.widget import joint_picker as joint_picker
     from studykit.widgets.browser.widget import library_browser as library_browser
     from studykit.widgets.designer.widget import dance_designer as dance_designer
+    from studykit.widgets.player.watch import watch as watch
     from studykit.widgets.player.widget import MotionPlayer as MotionPlayer
     from studykit.widgets.rater.widget import rating as rating
     from studykit.widgets.reviewer.widget import review as review
@@ -20,6 +21,7 @@ _NAMES = {
     "library_browser": "studykit.widgets.browser.widget",
     "rating": "studykit.widgets.rater.widget",
     "review": "studykit.widgets.reviewer.widget",
+    "watch": "studykit.widgets.player.watch",
 }
 __all__ = [*_NAMES]  # noqa: PLE0604 - names only
 

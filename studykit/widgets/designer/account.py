@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from studykit.figures.film import letters
 from studykit.motion import kinematics
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.motion.segmentation import SEGMENT_S
+from studykit.widgets.player.watch import origin
 
 if TYPE_CHECKING:
     from studykit.choreography.dance import Dance, DanceMeasures
@@ -24,26 +26,14 @@ _MEASURES: Final = (
 """Field, words, unit as shown, and its size in the field's unit; energies for a body of 73.5 kg."""
 
 
-def letters(dance: Dance) -> list[str]:
-    """Give every segment of a dance a letter; those that come back have the same one.
-
-    Examples
-    --------
-    A dance of the segments 7, 3, 7 has the letters A, B, A.
-    """
-    order = list(dict.fromkeys(segment.id for segment in dance.segments))
-    return [_letter(order.index(segment.id)) for segment in dance.segments]
-
-
 def segment_rows(dance: Dance) -> list[dict[str, Any]]:
-    """Tell of each segment its letter, when it begins and where it comes from."""
+    """Tell of each segment its letter, when it begins, where it comes from, and how far joints jump to it."""
     jumps = [None, *dance.displacements_m]
     return [
         {
             "letter": letter,
             "start_s": SEGMENT_S * place,
-            "take": segment.take + (", mirrored" if segment.mirrored else ""),
-            "take_start_s": float(segment.start_s),
+            "origin": origin(segment),
             "jump_cm": None if jump is None else 100.0 * jump,
         }
         for place, (letter, segment, jump) in enumerate(
@@ -120,7 +110,3 @@ def _verdict(have: float, target: float, *, is_hit: bool) -> str:
         return "as asked"
     words = f"{abs(off):.1%} {'above' if off > 0.0 else 'below'}"
     return words if is_hit else f"{words}, farther than asked"
-
-
-def _letter(number: int) -> str:
-    return (_letter(number // 26 - 1) if number >= 26 else "") + chr(65 + number % 26)

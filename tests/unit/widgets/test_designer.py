@@ -17,7 +17,6 @@ from studykit.motion import kinematics
 from studykit.motion.blending import joined
 from studykit.motion.kinematics import joint_positions
 from studykit.widgets import dance_designer
-from studykit.widgets.designer import account
 from studykit.widgets.designer.settings import Settings, changed
 
 HOSTILE = "<img src=x onerror=alert(1)>"
@@ -160,13 +159,14 @@ def test_segments_that_come_back_have_the_same_letter(library: DanceLibrary, sou
     designer = dance_designer(library, source=source, duration_s=16.0)
     assert [row["letter"] for row in designer.segments] == ["A", "B", "A", "A"]
     assert [row["start_s"] for row in designer.segments] == [0.0, 4.0, 8.0, 12.0]
+    assert [(start, stop) for start, stop, _, _ in designer.marks] == [
+        (0.0, 3.9),
+        (4.0, 7.9),
+        (8.0, 11.9),
+        (12.0, 15.9),
+    ]
+    assert designer.marks[1][2].startswith("B: take-")
     assert [row["jump_cm"] for row in designer.segments] == [None, 5.0, 5.0, 5.0]
-
-
-def test_letters_go_on_after_z() -> None:
-    segments = tuple(SimpleNamespace(id=number) for number in range(54))
-    names = account.letters(SimpleNamespace(segments=segments))  # type: ignore[arg-type]
-    assert (names[0], names[25], names[26], names[53]) == ("A", "Z", "AA", "BB")
 
 
 def test_out_of_reach_is_said_and_nothing_plays(library: DanceLibrary, source: StandIn) -> None:

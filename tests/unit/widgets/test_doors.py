@@ -35,6 +35,7 @@ def test_every_door_opens() -> None:
         "library_browser",
         "rating",
         "review",
+        "watch",
     ]
     for name in studykit.widgets.__all__:
         assert callable(getattr(studykit.widgets, name))

@@ -96,20 +96,21 @@ export class Outcome {
 
   drawSegments() {
     const segments = this.model.get("segments");
-    const order = [...new Set(segments.map(({ letter }) => letter))];
-    const chips = segments.map(({ letter, start_s: start, take, take_start_s: from, jump_cm: jump }) => {
+    const plain = (letter) => letter.replace("′", ""); // a mirror image has the colour of its original
+    const order = [...new Set(segments.map(({ letter }) => plain(letter)))];
+    const chips = segments.map(({ letter, start_s: start, origin, jump_cm: jump }) => {
       const chip = button(letter, {
         class: "sk-chip",
-        title: `${take}, from ${from.toFixed(1)} s${jump === null ? "" : `; joints jump ${jump.toFixed(1)} cm before joining`}`,
-        "aria-label": `Segment ${letter} at ${start} s, ${take}`,
+        title: `${origin}${jump === null ? "" : `; joints jump ${jump.toFixed(1)} cm before joining`}`,
+        "aria-label": `Segment ${letter} at ${start} s: ${origin}`,
         signal: this.signal,
         onclick: () => this.player.go(Math.round(start * this.player.clock.rate)),
       });
-      chip.style.setProperty("--sk-letter", LETTER_COLOURS[order.indexOf(letter) % LETTER_COLOURS.length]);
+      chip.style.setProperty("--sk-letter", LETTER_COLOURS[order.indexOf(plain(letter)) % LETTER_COLOURS.length]);
       return chip;
     });
     const words = segments.length
-      ? `${segments.length} segments of 4 s, ${order.length} different ones; the same letter is the same movement.`
+      ? `${segments.length} segments of 4 s, ${order.length} different ones; the same letter is the same movement, with a ′ its mirror image.`
       : "";
     const row = element("div", { class: "sk-chips" }, chips);
     row.style.setProperty("--sk-columns", Math.min(Math.max(segments.length, 1), 16));
