@@ -261,5 +261,6 @@ def bvh_text(motion: Motion) -> str:
         (100.0 * motion.root_positions, np.rad2deg(angles).reshape(len(motion), -1)), axis=1
     )
     out.extend(("MOTION", f"Frames: {len(motion)}", f"Frame Time: {1.0 / motion.frame_rate_hz:.12f}"))
-    out.extend(" ".join(f"{value:.4f}" for value in row) for row in values)
+    form = " ".join(["%.4f"] * values.shape[1])
+    out.extend(form % tuple(row) for row in values.tolist())
     return "\n".join(out) + "\n"

@@ -123,3 +123,48 @@ def test_archives_of_24_joints_with_y_up_are_still_read(motion: Motion, tmp_path
     )
     again = read_smpl_npz(tmp_path / "old.npz")
     assert kinematics.joint_positions(again) == pytest.approx(kinematics.joint_positions(still), abs=1e-9)
+
+
+def test_smplx_poses_it_as_we_do(archive: Path, joints: Numbers) -> None:
+    """The model is synthetic, of SMPL-H's layout and our rest offsets: SMPL-H's own may not be passed on."""
+    reason = "smplx and torch are not installed (make test-smplx brings them)"
+    smplx = pytest.importorskip("smplx", reason=reason)
+    torch = pytest.importorskip("torch", reason=reason)
+
+    vertices, count = 6890, SHARED_JOINTS + 30  # how the fingers hang on the wrists does not matter here
+    parents = np.array([2**32 - 1, *NEUTRAL_BODY.parents[1:SHARED_JOINTS], *[20] * 15, *[21] * 15])
+    rest = np.zeros((count, 3))
+    rest[0] = NEUTRAL_PELVIS
+    for joint in range(1, SHARED_JOINTS):
+        rest[joint] = rest[parents[joint]] + NEUTRAL_BODY.offsets[joint]
+    model = smplx.SMPLH(
+        "",
+        data_struct=smplx.utils.Struct(
+            v_template=np.concatenate((rest, np.zeros((vertices - count, 3)))),
+            J_regressor=np.eye(count, vertices),
+            shapedirs=np.zeros((vertices, 3, 10)),
+            posedirs=np.zeros((vertices, 3, 9 * (count - 1))),
+            weights=np.eye(vertices, count),
+            kintree_table=np.array([parents, range(count)]),
+            f=np.zeros((1, 3), dtype=np.int64),
+            hands_componentsl=np.eye(45),
+            hands_componentsr=np.eye(45),
+            hands_meanl=np.zeros(45),
+            hands_meanr=np.zeros(45),
+        ),
+        batch_size=len(joints),
+        dtype=torch.float64,
+        num_betas=10,
+        use_pca=False,
+    )
+    with np.load(archive) as arrays, torch.no_grad():
+        poses = torch.tensor(arrays["poses"])
+        posed = model(
+            betas=torch.tensor(arrays["betas"])[:10].repeat(len(joints), 1),
+            global_orient=poses[:, :3],
+            body_pose=poses[:, 3:66],
+            left_hand_pose=poses[:, 66:111],
+            right_hand_pose=poses[:, 111:],
+            transl=torch.tensor(arrays["trans"]),
+        )
+    assert posed.joints[:, :SHARED_JOINTS].numpy() == pytest.approx(as_z_up(joints), abs=1e-9)
