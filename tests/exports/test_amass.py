@@ -167,4 +167,5 @@ def test_smplx_poses_it_as_we_do(archive: Path, joints: Numbers) -> None:
             right_hand_pose=poses[:, 111:],
             transl=torch.tensor(arrays["trans"]),
         )
-    assert posed.joints[:, :SHARED_JOINTS].numpy() == pytest.approx(as_z_up(joints), abs=1e-9)
+    # smplx adds 1e-8 to every component before it measures an angle.
+    assert posed.joints[:, :SHARED_JOINTS].numpy() == pytest.approx(as_z_up(joints), abs=1e-6)
