@@ -66,7 +66,7 @@ def draw_body(
     *,
     depth: Floats | None = None,
     outlines: Any = style.INK,
-    width_pt: float = 2.3,
+    widths_pt: tuple[float, Any] = (2.3, 0.45),
 ) -> None:
     """Draw a body of which each half of a bone has the colour of its joint.
 
@@ -78,8 +78,8 @@ def draw_body(
         Of bones and of their rims.
     depth : ndarray, shape (24,), optional
         Nearer bones, of higher depth, are drawn over others.
-    width_pt : float
-        Thickness of bones without their rims, in points.
+    widths_pt : tuple of float and of float or one a joint
+        Thickness of bones without their rims, and that of rims, in points.
     """
     from matplotlib.collections import LineCollection
 
@@ -90,9 +90,11 @@ def draw_body(
         for bone in order
         for near, far in (bone, bone[::-1])
     ]
-    for colours, width in ((outlines, width_pt + 0.9), (shades, width_pt)):
+    width_pt, rim_pt = widths_pt
+    rims = 2.0 * np.broadcast_to(np.asarray(rim_pt, dtype=float), len(JOINT_NAMES))
+    for colours, widths in ((outlines, width_pt + rims[joints]), (shades, width_pt)):
         picked = colours if isinstance(colours, str) else [colours[joint] for joint in joints]
-        axes.add_collection(LineCollection(lines, colors=picked, linewidths=width, capstyle="round"))
+        axes.add_collection(LineCollection(lines, colors=picked, linewidths=widths, capstyle="round"))
 
 
 def draw_head(
@@ -122,7 +124,7 @@ def draw_head(
 
 def name_sides(axes: Axes, places: Floats) -> None:
     """Write R and L beside the hands of a standing body, and let nothing but the body be seen."""
-    for words, name, shift in (("R", "right_hand", -0.1), ("L", "left_hand", 0.1)):
+    for words, name, shift in (("R", "right_hand", -0.13), ("L", "left_hand", 0.13)):
         place = places[JOINT_NAMES.index(name)]
         axes.text(place[0] + shift, place[1] - 0.12, words, ha="center", color=style.FAINT)
     axes.set_aspect("equal")
@@ -130,7 +132,7 @@ def name_sides(axes: Axes, places: Floats) -> None:
     axes.set_axis_off()
 
 
-def shades(highest: float) -> ScalarMappable:
+def shades(highest: float, *, power: float = 0.5) -> ScalarMappable:
     """Give the colours of intensities from 0 to the highest; the square root lets the light ones show."""
     import matplotlib as mpl
     from matplotlib.cm import ScalarMappable
@@ -138,7 +140,7 @@ def shades(highest: float) -> ScalarMappable:
 
     colours = mpl.colormaps[style.INTENSITY_MAP](np.linspace(*_SHADES, 256))
     return ScalarMappable(
-        PowerNorm(0.5, vmin=0.0, vmax=highest), LinearSegmentedColormap.from_list("intensity", colours)
+        PowerNorm(power, vmin=0.0, vmax=highest), LinearSegmentedColormap.from_list("intensity", colours)
     )
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary
-from studykit.choreography.goal import PAPER_ENERGIES, PAPER_VARIETIES, Goal
+from studykit.choreography.goal import Goal
+from studykit.choreography.targets import PAPER_ENERGIES, PAPER_VARIETIES
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.figures import style
@@ -98,7 +99,7 @@ def variety_distribution(library: DanceLibrary, *, goals: Mapping[str, Goal] = _
     """
     _require(library)
     asked = {
-        goal.condition.split("-")[1]: goal.variety
+        goal.condition.split("-")[1]: goal.measures.variety
         for goal in goals.values()
         if goal.preset.variety == "euclidean_z"
     }
@@ -211,8 +212,8 @@ def _energy_levels(goals: Mapping[str, Goal], body_mass_kg: float) -> dict[str, 
     """Give what light and intense dances aim at in 32 s, J."""
     return {
         goal.condition.split("-", maxsplit=1)[0]: (
-            body_mass_kg * goal.linear_energy * _CHAIN_S / goal.duration_s,
-            body_mass_kg * goal.rotational_energy * _CHAIN_S / goal.duration_s,
+            body_mass_kg * goal.measures.linear_energy * _CHAIN_S / goal.duration_s,
+            body_mass_kg * goal.measures.rotational_energy * _CHAIN_S / goal.duration_s,
         )
         for goal in goals.values()
     }

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from studykit.choreography.dance import Dance
     from studykit.figures.canvas import PaperFigure
 
 MM_PER_INCH = 25.4
@@ -24,6 +25,11 @@ WARNING = "#8a1c1c"
 INTENSITY = {"light": "#0072B2", "intense": "#D55E00"}
 MARKERS = {"easy": "o", "hard": "^"}
 INTENSITY_MAP = "inferno_r"
+BODY = "#4a4a4a"
+SPARED = "#009E73"
+"""Joints that a dance spares; not a colour of the map of intensities."""
+TINTS = ("#9fd3f2", "#f3cf80", "#e3b6d0", "#8fd0b9", "#f5ee9a", "#8ab6d6", "#eeb68a")
+"""Okabe and Ito's palette, pale enough to write on."""
 
 SIMULATED = "SIMULATED DATA"
 SYNTHETIC = "SYNTHETIC MOVEMENT"
@@ -107,6 +113,19 @@ def words(condition: str, *, between: str = " – ") -> str:
     'Light – Easy'
     """
     return between.join(part.capitalize() for part in condition.split("-")[:2])
+
+
+def title(dance: Dance) -> str:
+    """Name a dance: its condition in words, and what it spares."""
+    from studykit.figures.body import topmost
+    from studykit.protocol.condition import ALL_CONDITIONS
+
+    name = dance.condition
+    if name in ALL_CONDITIONS:
+        name = f"{words(name)}, transition {name.rsplit('-', maxsplit=1)[1]}"
+    if dance.mask is None:
+        return name
+    return f"{name}, sparing {' and '.join(topmost(dance.mask.spared))}"
 
 
 def colour(condition: str) -> str:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from studykit.choreography.dance import Dance, DanceBlock, DanceMeasures, DanceSegment, measured
+from studykit.choreography.rjmcmc.trace import TraceRow
 from studykit.figures import DanceStrip
 from studykit.motion import rotation
 from studykit.motion.motion import Motion
@@ -100,3 +103,84 @@ def made_strip() -> Callable[..., DanceStrip]:
         )
 
     return make
+
+
+@pytest.fixture(scope="session")
+def made_dance() -> Callable[..., Dance]:
+    """Make up a dance of letters, one a segment: the elbows turn, each letter at a rate of its own.
+
+    A small letter is the mirror image of its capital. The left elbow turns three times as far as the right.
+    """
+
+    def make(letters: str = "ABAb", *, blocks: int = 1, **changes: Any) -> Dance:
+        motion = _danced(letters)
+        (achieved,) = measured(motion, (80.0,), (len(letters),))
+        varieties = tuple(80.0 + 5.0 * block for block in range(blocks))
+        parts = measured(motion, varieties, (len(letters) // blocks,) * blocks)
+        values: dict[str, Any] = {
+            "condition": "light-easy-on",
+            "seed": 0,
+            "preset": "studykit",
+            "targets_from": "percentiles",
+            "segments": tuple(
+                DanceSegment(
+                    id=ord(letter), take="made up", start_s=float(ord(letter.upper())),
+                    mirrored=letter.islower(), licence="",
+                )
+                for letter in letters
+            ),
+            "motion": motion,
+            "asked": _asked(achieved),
+            "achieved": achieved,
+            "achieved_blended": achieved,
+            "cost_total": 0.2,
+            "cost_terms": {"linear": 0.1, "variety": 0.05},
+            "displacements_m": tuple(0.1 + 0.01 * join for join in range(len(letters) - 1)),
+            "trace": tuple(
+                TraceRow(
+                    iteration=100 * (row + 1), temperature=0.3 * 0.8**row, width=max(1.0, 5.0 - row),
+                    cost=1.0 / (row + 1.0), best_cost=0.9 / (row + 1.0), segments=8 + row % 2, accepted=0.5,
+                    inserted=None if row < 2 else 0.1, replaced=0.6,
+                    terms={"linear": 0.5 / (row + 1.0), "variety": 0.25 / (row + 1.0), "unwanted": 9.0},
+                )
+                for row in range(6)
+            ),
+            "library_sha256": "",
+            "is_synthetic": True,
+            "weights": {"linear": 1.0, "variety": 2.0, "unwanted": 0.0},
+            "blocks": tuple(
+                DanceBlock(asked=_asked(part), achieved=part, achieved_blended=part) for part in parts
+            ),
+            "mask": None,
+            "chain_costs": (0.2, 0.3, 0.25),
+            "is_interrupted": False,
+        }  # fmt: skip
+        return Dance(**(values | changes))
+
+    return make
+
+
+def _danced(letters: str) -> Motion:
+    vectors = np.zeros((120 * len(letters), 24, 3))
+    times_s = np.arange(120) / 30.0
+    for number, letter in enumerate(letters):
+        turn = 0.3 * np.sin(2.0 * np.pi * times_s * (1 + ord(letter.upper()) - ord("A")) / 4.0)
+        left, right = (1.0, 3.0) if letter.islower() else (3.0, 1.0)
+        frames = slice(120 * number, 120 * (number + 1))
+        vectors[frames, NEUTRAL_BODY.index("left_elbow"), 1] = left * turn
+        vectors[frames, NEUTRAL_BODY.index("right_elbow"), 1] = -right * turn
+    return Motion(
+        skeleton=NEUTRAL_BODY,
+        rotations=rotation.exp(vectors),
+        root_positions=np.tile([3.0, 1.0, -2.0], (len(vectors), 1)),
+        frame_rate_hz=30.0,
+    )
+
+
+def _asked(achieved: DanceMeasures) -> DanceMeasures:
+    return DanceMeasures(
+        duration_s=achieved.duration_s,
+        linear_energy=achieved.linear_energy / 1.25,
+        rotational_energy=achieved.rotational_energy / 0.8,
+        variety=achieved.variety / 1.02,
+    )

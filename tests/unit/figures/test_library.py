@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.path import Path
 
 from studykit.choreography.dance_library import DanceLibrary
-from studykit.choreography.goal import Goal, goals
+from studykit.choreography.goal import Goal
+from studykit.choreography.targets import goals
 from studykit.core.errors import InputError
 from studykit.figures import energy_distribution, joint_intensity, target_space, variety_distribution
 from studykit.figures.canvas import PaperFigure
@@ -104,7 +105,7 @@ def test_no_dance_leaves_the_outline(library, asked) -> None:
     assert len(drawn["chains"]) == 200
     light = next(goal for name, goal in asked.items() if name.startswith("light"))
     assert tuple(drawn["goal light"][0]) == pytest.approx(
-        (8 * light.linear_energy, 8 * light.rotational_energy)
+        (8 * light.measures.linear_energy, 8 * light.measures.rotational_energy)
     )
 
 
