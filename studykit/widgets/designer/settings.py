@@ -21,7 +21,7 @@ RANGES: Final[dict[str, tuple[float, float]]] = {
 """Least and most that can be asked for."""
 SCHEDULES: Final = {
     "none": "the same throughout",
-    "hiit": "intervals: light and intense in turn (HIIT)",
+    "hiit": "intervals: intense and light in turn (HIIT)",
     "waves": "waves: easy and hard in turn",
     "warm-up": "warm-up, work, cool-down",
 }

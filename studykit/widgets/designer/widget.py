@@ -17,7 +17,6 @@ from studykit.widgets.designer import account
 from studykit.widgets.designer.settings import Settings, changed, checked
 from studykit.widgets.designer.workshop import Obstacle, Source, Workshop
 from studykit.widgets.history import History
-from studykit.widgets.player.watch import segment_marks
 from studykit.widgets.player.widget import MotionPlayer
 
 if TYPE_CHECKING:
@@ -210,7 +209,6 @@ class DanceDesigner(SparedJoints, MotionPlayer):
             obstacle=obstacle.to_dict(),
             blocks=[],
             segments=[],
-            marks=[],
             joint_report=[],
         )
 
@@ -227,7 +225,6 @@ class DanceDesigner(SparedJoints, MotionPlayer):
             targets=self._workshop.targets(goal),
             blocks=self._workshop.blocks(goal, dance),
             segments=account.segment_rows(dance),
-            marks=segment_marks(dance),
             joint_report=account.joint_rows(dance, goal.mask),
         )
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 import numpy as np
 
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.choreography.goal import ENERGY_HIT
+from studykit.choreography.request import default_plan
+from studykit.choreography.schedule import Schedule, hiit, variety_waves, warm_up
 from studykit.core.errors import InputError
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
+from studykit.motion.joint_mask import JointMask
 from studykit.motion.segmentation import SEGMENT_S
 from studykit.motion.skeleton import JOINT_NAMES
 from studykit.widgets.body_map.spared import mask
@@ -24,6 +27,17 @@ if TYPE_CHECKING:
     from studykit.choreography.goal import Goal
 
 Made = TypeVar("Made")
+
+FIXED: Final = {
+    "hiit": {"duration_s": "4 × 32 s", "intensity": "intense, light, ..."},
+    "waves": {"duration_s": "4 × 32 s", "variety": "easy, hard, ..."},
+    "warm-up": {
+        "duration_s": "32 + 64 + 32 s",
+        "intensity": "light, intense, light",
+        "variety": "easy, hard, easy",
+    },
+}
+"""What the sliders do not set where a dance takes a course, and what the course has in its place."""
 
 
 class Source(Protocol):
@@ -75,15 +89,17 @@ class Workshop:
         self._source = source or Choreography()
 
     def scales(self) -> dict[str, Any]:
-        """Give the ends of the sliders, and the words at their places."""
+        """Give the ends of the sliders, the words at their places, and what each course settles itself."""
+        plan = default_plan()
         return {
             **{name: list(ends) for name, ends in RANGES.items()},
             "step_s": SEGMENT_S,
             "words": {
-                "intensity": [[25.0, "light"], [75.0, "intense"]],
-                "variety": [[0.55, "easy"], [0.94, "hard"]],
+                "intensity": [[plan.intensity.light, "light"], [plan.intensity.intense, "intense"]],
+                "variety": [[plan.variety.easy, "easy"], [plan.variety.hard, "hard"]],
             },
             "schedules": [[name, words] for name, words in SCHEDULES.items()],
+            "fixed": FIXED,
         }
 
     def usual_speeds(self) -> dict[str, float]:
@@ -102,8 +118,8 @@ class Workshop:
                 intensity=settings.intensity,
                 variety=settings.variety,
                 transition="on" if settings.transition else "off",
-                spare=mask(settings.weights, settings.speed_limits_rad_s),
-                schedule=None if settings.schedule == "none" else settings.schedule,
+                spare=_spared(settings),
+                schedule=_schedule(settings),
             )
         )
 
@@ -144,6 +160,20 @@ class Workshop:
         if is_preview:
             return "A quick look. Find this dance to search it thoroughly."
         return "Found."
+
+
+def _spared(settings: Settings) -> JointMask | tuple[()]:
+    is_free = not settings.weights and not settings.speed_limits_rad_s
+    return () if is_free else mask(settings.weights, settings.speed_limits_rad_s)
+
+
+def _schedule(settings: Settings) -> Schedule | None:
+    """Give the course of the dance; what it leaves open comes from the sliders."""
+    if settings.schedule == "hiit":
+        return hiit(variety=settings.variety)
+    if settings.schedule == "waves":
+        return variety_waves(intensity=settings.intensity)
+    return warm_up() if settings.schedule == "warm-up" else None
 
 
 def _tried(deed: Callable[[], Made]) -> Made | Obstacle:

@@ -41,7 +41,7 @@ export class GoalForm {
       { class: "sk-form", "aria-label": "What the dance shall be like" },
       Object.values(this.sliders).map(({ row }) => row),
       element("label", { class: "sk-field" }, this.transition, "smooth joins"),
-      element("label", { class: "sk-field" }, "Course ", this.schedule),
+      element("label", { class: "sk-ask" }, "Course", this.schedule),
       element("div", { class: "sk-field" }, "Seed ", this.seed, ask("Another one", "another")),
       element("div", { class: "sk-controls" }, this.search, this.undoButton, this.redoButton),
       element("div", { class: "sk-controls" }, element("label", { class: "sk-field sk-wide" }, "Folder ", this.folder), this.save),
@@ -113,9 +113,15 @@ export class GoalForm {
   draw() {
     const { model } = this;
     const targets = model.get("targets");
+    const fixed = this.scales.fixed[model.get("schedule")] ?? {};
     for (const [name, { input, value, text, hint }] of Object.entries(this.sliders)) {
       if (name in this.pending) continue; // the hand is still on it
       const now = Number(model.get(name));
+      input.disabled = name in fixed;
+      if (input.disabled) {
+        value.textContent = fixed[name];
+        continue;
+      }
       input.value = now;
       const words = text(Number(now.toFixed(2)));
       value.textContent = words;

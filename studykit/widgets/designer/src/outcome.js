@@ -1,6 +1,7 @@
 // How close a dance came: its measures beside their targets, and its segments with their letters.
 import { button, clockText, element, fill, hear } from "../../player/src/dom.js";
 
+const SEGMENT_S = 4;
 const REACH = 3; // a bar shows this many times the tolerance on either side
 const LETTER_COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7a7a7a", "#b8a800"];
 
@@ -16,7 +17,7 @@ function sign(isHit, words) {
 }
 
 function short(value) {
-  return value.toFixed(Math.abs(value) < 100 ? 1 : 0);
+  return value.toFixed(Math.abs(value) < 20 ? 1 : 0);
 }
 
 export class Outcome {
@@ -26,6 +27,8 @@ export class Outcome {
     this.signal = signal;
     this.measures = element("section", { class: "sk-measures", "aria-label": "How close it came" });
     this.segments = element("section", { class: "sk-segments", "aria-label": "Segments" });
+    this.chips = [];
+    player.onshow = (time) => this.follow(time);
     hear(model, signal, ["blocks", "found"], () => this.drawMeasures());
     hear(model, signal, ["segments"], () => this.drawSegments());
     this.drawMeasures();
@@ -98,7 +101,7 @@ export class Outcome {
     const segments = this.model.get("segments");
     const plain = (letter) => letter.replace("′", ""); // a mirror image has the colour of its original
     const order = [...new Set(segments.map(({ letter }) => plain(letter)))];
-    const chips = segments.map(({ letter, start_s: start, origin, jump_cm: jump }) => {
+    this.chips = segments.map(({ letter, start_s: start, origin, jump_cm: jump }) => {
       const chip = button(letter, {
         class: "sk-chip",
         title: `${origin}${jump === null ? "" : `; joints jump ${jump.toFixed(1)} cm before joining`}`,
@@ -112,8 +115,15 @@ export class Outcome {
     const words = segments.length
       ? `${segments.length} segments of 4 s, ${order.length} different ones; the same letter is the same movement, with a ′ its mirror image.`
       : "";
-    const row = element("div", { class: "sk-chips" }, chips);
+    const row = element("div", { class: "sk-chips" }, this.chips);
     row.style.setProperty("--sk-columns", Math.min(Math.max(segments.length, 1), 16));
+    this.follow(this.player.clock.time);
     fill(this.segments, row, element("p", { class: "sk-hint" }, words));
+  }
+
+  /** Show which segment plays. */
+  follow(time) {
+    const now = Math.floor(time / SEGMENT_S + 1e-6);
+    this.chips.forEach((chip, place) => chip.setAttribute("aria-current", place === now));
   }
 }

@@ -269,6 +269,7 @@ export class Player {
     const words = met.map(([, , label]) => label).join("; ");
     if (words !== this.here.textContent) this.here.textContent = words;
     this.element.dataset.frame = frame;
+    this.onshow?.(time);
   }
 
   toggle() {
