@@ -10,7 +10,7 @@ import numpy as np
 
 from studykit.core.arrays import Booleans, Floats
 from studykit.core.errors import InputError
-from studykit.motion import cleaning, energy, features, kinematics, rotation
+from studykit.motion import cleaning, energy, features, kinematics
 from studykit.motion.mirroring import mirrored
 from studykit.motion.motion import Motion
 from studykit.motion.resampling import every_nth, resampled
@@ -203,13 +203,9 @@ def _arrays(
         "rotational_energies": energy.rotational_energy_steps(motion.rotations, FRAME_RATE_HZ)[within].sum(
             axis=1
         ),
-        "first_poses": _facing_ahead(positions[starts]),
-        "last_poses": _facing_ahead(positions[starts + SEGMENT_FRAMES - 1]),
+        "first_poses": kinematics.facing_ahead(positions[starts]),
+        "last_poses": kinematics.facing_ahead(positions[starts + SEGMENT_FRAMES - 1]),
         "peak_speeds": kinematics.angular_speeds(np.moveaxis(kept, 1, 0), FRAME_RATE_HZ).max(axis=0),
         "peak_angles": kinematics.rest_angles(kept).max(axis=1),
     }
     return {key: arrays[key].astype(dtype) for key, (_, dtype) in (LARGE | SMALL).items()}
-
-
-def _facing_ahead(poses: Floats) -> Floats:
-    return rotation.rotate(rotation.yaw(-kinematics.facing(poses))[:, None], poses)

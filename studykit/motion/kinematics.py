@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from studykit.core.arrays import Floats
@@ -64,6 +66,45 @@ def centred_positions(skeleton: Skeleton, rotations: Floats) -> Floats:
     return positions
 
 
+def position_slopes(skeleton: Skeleton, rotations: Floats, joints: Sequence[int]) -> Floats:
+    """Give how all joints move from the pelvis when some turn a little further, each about its own axes.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+        Gives the bones.
+    rotations : ndarray, shape (..., joint, 4)
+        Unit quaternions relative to the parent.
+    joints : sequence of int
+        Those that turn.
+
+    Returns
+    -------
+    ndarray, shape (..., joint, 3, 3 x turning joint), m/rad
+        For turns R_j exp(delta_j): d p_k / d delta_j = -[p_k - p_j]_x G_j where k hangs on j, zero elsewhere.
+    """
+    turning = list(joints)
+    positions = centred_positions(skeleton, rotations)
+    turns = rotation.to_matrix(global_rotations(skeleton, rotations)[..., turning, :])
+    arms = positions[..., :, None, :] - positions[..., None, turning, :]
+    arms = arms * descendants(skeleton)[:, turning, None]
+    # The columns of G_j crossed with the arms, component by component.
+    x, y, z = (turns[..., None, :, axis, :] for axis in range(3))
+    a, b, c = (arms[..., axis, None] for axis in range(3))
+    slopes = np.stack((y * c - z * b, z * a - x * c, x * b - y * a), axis=-3)
+    return np.asarray(slopes).reshape(*slopes.shape[:-2], -1)
+
+
+def descendants(skeleton: Skeleton) -> Floats:
+    """Give 1 where joint k (first axis) hangs, at any depth, on joint j (second axis)."""
+    below = np.zeros((len(skeleton.parents),) * 2)
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            below[joint] = below[parent]
+            below[joint, parent] = 1.0
+    return below
+
+
 def facing(positions: Floats) -> Floats:
     """Give the direction the body faces, as the angle of its front from +Z towards +X.
 
@@ -86,6 +127,11 @@ def facing(positions: Floats) -> Floats:
     )
     # left x up = front: (lx, ly, lz) x (0, 1, 0) = (-lz, 0, lx)
     return np.asarray(np.arctan2(-across[..., 2], across[..., 0]))
+
+
+def facing_ahead(poses: Floats) -> Floats:
+    """Turn poses about the vertical axis until each faces +Z, shape (..., 24, 3), m."""
+    return rotation.rotate(rotation.yaw(-facing(poses))[..., None, :], poses)
 
 
 def turned(motion: Motion, angle_rad: float, *, about: Floats | None = None) -> Motion:

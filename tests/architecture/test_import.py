@@ -43,7 +43,11 @@ FIRST_IMPORT = (
 WIDGETS = tuple(f"studykit.widgets.{room}.widget" for room in ("browser", "player", "rater", "reviewer"))
 
 # Compiled by numba, which writes what it compiled beside them; imported where they are used, by nothing else.
-COMPILED = ("studykit.choreography.neighbours", "studykit.choreography.rjmcmc.join_speed")
+COMPILED = (
+    "studykit.choreography.neighbours",
+    "studykit.choreography.rjmcmc.join_speed",
+    "studykit.motion.clearance",
+)
 
 IMPORT_EVERYTHING = f"""
     import importlib, pkgutil, studykit
