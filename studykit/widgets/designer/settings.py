@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -97,14 +96,6 @@ def checked(name: str, value: Any) -> Any:
     if name == "speed_limits_rad_s":
         return checked_speeds(value, where=name)
     return value
-
-
-def changed(settings: Settings, values: Mapping[str, Any]) -> Settings:
-    """Give settings with some of their values replaced."""
-    unknown = sorted(set(values) - set(Settings.__slots__))
-    if unknown:
-        raise InputError(f"there is nothing called {unknown[0]!r} to set", remedy=f"use {Settings.__slots__}")
-    return Settings(**({name: getattr(settings, name) for name in Settings.__slots__} | dict(values)))
 
 
 def _number(name: str, value: Any) -> float:

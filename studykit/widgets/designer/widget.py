@@ -14,7 +14,7 @@ from studykit.core.errors import InputError
 from studykit.motion.kinematics import joint_positions
 from studykit.widgets.body_map.spared import SparedJoints
 from studykit.widgets.designer import account
-from studykit.widgets.designer.settings import Settings, changed, checked
+from studykit.widgets.designer.settings import Settings, checked
 from studykit.widgets.designer.workshop import Obstacle, Source, Workshop
 from studykit.widgets.history import History
 from studykit.widgets.player.widget import MotionPlayer
@@ -91,6 +91,8 @@ class DanceDesigner(SparedJoints, MotionPlayer):
         self._goal: Goal | None = None
         self._dance: Dance | None = None
         self._last = settings
+        self._nearest: Goal | None = None
+        self._agreed: list[tuple[Settings, Goal]] = []
         self.set_trait("room", "designer")
         self.set_trait("library_name", workshop.library.name)
         self.set_trait("scales", workshop.scales())
@@ -131,10 +133,19 @@ class DanceDesigner(SparedJoints, MotionPlayer):
         self.seed += 1
 
     def use_nearest(self) -> None:
-        """Take the settings that were offered because those asked for cannot be met."""
-        if not self.obstacle.get("offer"):
+        """Ask for the nearest that the library can reach, because what was asked for is out of reach.
+
+        Raises
+        ------
+        InputError
+            If nothing is out of reach, or nothing near is known.
+        """
+        if self._nearest is None:
             raise InputError("nothing else is offered", remedy="move a slider")
-        self._set(changed(self.settings, self.obstacle["offer"]))
+        settings = self._workshop.settings_near(self._nearest, self.settings)
+        # The sliders come near to this goal, but they hold only one energy and whole numbers.
+        self._agreed.insert(0, (settings, self._nearest))
+        self._set(settings)
 
     def undo(self) -> None:
         """Take the last change of a setting back."""
@@ -188,7 +199,9 @@ class DanceDesigner(SparedJoints, MotionPlayer):
 
     def _find(self, *, is_preview: bool) -> None:
         """Search a dance and show it, or say why there is none."""
-        goal = self._workshop.goal(self.settings)
+        settings = self.settings
+        agreed = next((goal for known, goal in self._agreed if known == settings), None)
+        goal = agreed or self._workshop.goal(settings)
         if isinstance(goal, Obstacle):
             self._refuse(goal)
             return
@@ -200,20 +213,21 @@ class DanceDesigner(SparedJoints, MotionPlayer):
 
     def _refuse(self, obstacle: Obstacle) -> None:
         self._goal = self._dance = None
+        self._nearest = obstacle.nearest
         self.show(
             np.zeros((0, len(self.parents), 3)),
             is_playing=False,
             title="",
             found="",
             status="No dance is as asked.",
-            obstacle=obstacle.to_dict(),
+            obstacle={"sentence": obstacle.sentence, "has_offer": obstacle.nearest is not None},
             blocks=[],
             segments=[],
             joint_report=[],
         )
 
     def _present(self, goal: Goal, dance: Dance, *, is_preview: bool) -> None:
-        self._goal, self._dance = goal, dance
+        self._goal, self._dance, self._nearest = goal, dance, None
         self.show(
             joint_positions(dance.motion),
             frame_rate_hz=dance.motion.frame_rate_hz,

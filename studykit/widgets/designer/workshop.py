@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 import numpy as np
 
-from studykit.choreography.dance_library import DanceLibrary
+from studykit.choreography.choreograph import dance as found
+from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary
 from studykit.choreography.goal import ENERGY_HIT
-from studykit.choreography.request import default_plan
+from studykit.choreography.reach import OutOfReachError
+from studykit.choreography.request import default_plan, requested
 from studykit.choreography.schedule import Schedule, hiit, variety_waves, warm_up
 from studykit.core.errors import InputError
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
@@ -58,19 +60,12 @@ class Obstacle:
     ----------
     sentence : str
         What stands in the way, and what to do.
-    offer : dict
-        Settings that the library can reach; empty where none is known.
-    words : str
-        The offer in words.
+    nearest : Goal or None
+        The nearest goal that the library can reach, where one is known.
     """
 
     sentence: str
-    offer: dict[str, Any] = field(default_factory=dict)
-    words: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Give it as plain values."""
-        return {name: getattr(self, name) for name in self.__slots__}
+    nearest: Goal | None = None
 
 
 class Workshop:
@@ -127,6 +122,29 @@ class Workshop:
         """Find a dance, or say why none was found."""
         return _tried(lambda: self._source.dance(goal, self.library, seed=seed, is_preview=is_preview))
 
+    def settings_near(self, goal: Goal, settings: Settings) -> Settings:
+        """Set the sliders as near to a goal as they come; a course keeps its own levels."""
+        if settings.schedule != "none":
+            return settings
+        (block,) = goal.blocks
+        chains = self.library.calibration
+        in_chains = CHAIN_SEGMENTS / block.segments
+        ranks = [
+            100.0 * np.mean(known < in_chains * energy)
+            for known, energy in (
+                (chains.chain_linear_energies, block.linear_energy),
+                (chains.chain_rotational_energies, block.rotational_energy),
+            )
+        ]
+        least, most = RANGES["variety"]
+        share = min(max(block.variety / chains.median_distance, least), most)
+        return replace(
+            settings,
+            duration_s=block.duration_s,
+            intensity=float(round(np.mean(ranks))),
+            variety=round(share, 2) if block.variety else settings.variety,
+        )
+
     def save(self, dance: Dance, folder: str | Path) -> None:
         """Write a dance to files."""
         from studykit.library.dance_file import write_dances
@@ -155,7 +173,7 @@ class Workshop:
 
     def words(self, dance: Dance, *, is_preview: bool) -> str:
         """Say in one sentence what was found."""
-        if getattr(dance, "is_interrupted", False):
+        if dance.is_interrupted:
             return "The search was stopped; this is the best dance until then."
         if is_preview:
             return "A quick look. Find this dance to search it thoroughly."
@@ -179,6 +197,8 @@ def _schedule(settings: Settings) -> Schedule | None:
 def _tried(deed: Callable[[], Made]) -> Made | Obstacle:
     try:
         return deed()
+    except OutOfReachError as error:
+        return Obstacle(sentence=str(error), nearest=error.nearest)
     except InputError as error:
         return Obstacle(sentence=str(error))
 
@@ -199,12 +219,8 @@ class Choreography:
 
     def requested(self, library: DanceLibrary, **words: Any) -> Goal:
         """See `studykit.choreography.request.requested`."""
-        from studykit.choreography.request import requested
-
         return requested(library, **words)
 
     def dance(self, goal: Goal, library: DanceLibrary, *, seed: int, is_preview: bool) -> Dance:
         """See `studykit.choreography.choreograph.dance`."""
-        from studykit.choreography.choreograph import dance
-
-        return dance(goal, library, seed=seed, is_preview=is_preview)
+        return found(goal, library, seed=seed, is_preview=is_preview)

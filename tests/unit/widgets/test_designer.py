@@ -12,12 +12,14 @@ import pytest
 
 from studykit.choreography.dance import DanceMeasures, DanceSegment
 from studykit.choreography.dance_library import DanceLibrary
+from studykit.choreography.goal import Block
+from studykit.choreography.reach import OutOfReachError
 from studykit.core.errors import InputError
 from studykit.motion import kinematics
 from studykit.motion.blending import joined
 from studykit.motion.kinematics import joint_positions
 from studykit.widgets import dance_designer, watch
-from studykit.widgets.designer.settings import Settings, changed
+from studykit.widgets.designer.settings import Settings
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 
@@ -31,23 +33,33 @@ class StandIn:
 
     def requested(self, library: DanceLibrary, **words: Any) -> Any:
         self.words.append(words)
+        goal = self._goal(library, words, min(words["intensity"], 90.0))
         if words["intensity"] > 95.0:
-            raise InputError("no dance is as intense", where="intensity", remedy="ask for 90")
-        linear, rotational = library.calibration.energy_targets(words["intensity"])
+            raise OutOfReachError(
+                "no dance is as intense", where="intensity", remedy="ask for 90", nearest=goal
+            )
+        if words["intensity"] < 1.0:
+            raise InputError("no dance is as still", where="intensity", remedy="ask for 10")
+        return goal
+
+    def _goal(self, library: DanceLibrary, words: dict[str, Any], percentile: float) -> Any:
+        linear, rotational = library.calibration.energy_targets(percentile)
         share = words["duration_s"] / 32.0
-        block = DanceMeasures(
+        block = Block(
             duration_s=words["duration_s"],
             linear_energy=share * linear,
             rotational_energy=share * rotational,
             variety=words["variety"] * library.calibration.median_distance,
+            novelty=None,
         )
         return SimpleNamespace(
-            name="wish", blocks=(block,), mask=words["spare"] or None, weights={}, variety_tolerance=5.0
+            blocks=(block,), mask=words["spare"] or None, weights={}, variety_tolerance=5.0
         )
 
     def dance(self, goal: Any, library: DanceLibrary, *, seed: int, is_preview: bool) -> Any:
         self.searches.append((seed, is_preview))
-        (asked,) = goal.blocks
+        (block,) = goal.blocks
+        asked = block.measures
         chosen = np.resize([seed % 7, seed % 7 + 1, seed % 7], round(asked.duration_s / 4.0)).tolist()
         rows = library.segments.iloc[chosen].to_dict("records")
         motion = joined([library.motion(segment) for segment in chosen], blend="offset")
@@ -165,12 +177,39 @@ def test_segments_that_come_back_have_the_same_letter(library: DanceLibrary, sou
 def test_out_of_reach_is_said_and_nothing_plays(library: DanceLibrary, source: StandIn) -> None:
     designer = dance_designer(library, source=source)
     designer.intensity = 99.0
-    assert designer.obstacle["sentence"] == "intensity: no dance is as intense; ask for 90."
+    assert designer.obstacle == {
+        "sentence": "intensity: no dance is as intense; ask for 90.",
+        "has_offer": True,
+    }
     assert (designer.found, designer.dance, designer.goal, len(designer.positions)) == ("", None, None, 0)
     assert designer.blocks == []
+    designer.intensity = 0.0
+    assert not designer.obstacle["has_offer"]
     designer.intensity = 50.0
     assert designer.obstacle == {}
     assert designer.found == "preview"
+
+
+@pytest.mark.parametrize("duration_s", [16.0, 32.0, 64.0])
+def test_the_nearest_goal_is_taken_exactly_and_the_sliders_come_near(
+    library: DanceLibrary, source: StandIn, duration_s: float
+) -> None:
+    designer = dance_designer(library, source=source, duration_s=duration_s, variety=0.713)
+    designer.intensity = 99.0
+    designer.use_nearest()
+    linear, rotational = library.calibration.energy_targets(90.0)
+    (block,) = designer.goal.blocks
+    assert (block.linear_energy, block.rotational_energy) == (
+        pytest.approx(linear * duration_s / 32.0),
+        pytest.approx(rotational * duration_s / 32.0),
+    )
+    assert (designer.intensity, designer.variety, designer.duration_s) == (90.0, 0.71, duration_s)
+    assert block.variety == pytest.approx(0.713 * library.calibration.median_distance)
+    with pytest.raises(InputError, match="nothing else"):
+        designer.use_nearest()
+    designer.undo()
+    assert designer.intensity == 99.0
+    assert designer.obstacle["has_offer"]
 
 
 def test_undo_takes_settings_back_and_searches_them(library: DanceLibrary, source: StandIn) -> None:
@@ -244,8 +283,3 @@ def test_a_setting_that_cannot_be_is_refused(
         Settings(**{name: wrong})
     assert designer.settings == Settings()
     assert len(source.searches) == 1
-
-
-def test_there_is_nothing_else_to_set() -> None:
-    with pytest.raises(InputError, match="colour"):
-        changed(Settings(), {"colour": "red"})

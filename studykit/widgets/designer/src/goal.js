@@ -11,7 +11,7 @@ export class GoalForm {
     this.pending = {};
     this.sliders = {
       duration_s: this.slider("duration_s", "Duration", this.scales.step_s, (value) => `${value} s`),
-      intensity: this.slider("intensity", "Intensity", 1, (value) => `${value}th percentile`),
+      intensity: this.slider("intensity", "Intensity", 1, (value) => `percentile ${value}`),
       variety: this.slider("variety", "Variety", 0.01, (value) => `${Math.round(100 * value)} %`),
     };
     this.transition = element("input", {

@@ -42,21 +42,14 @@ export class DesignerPanel {
   }
 
   drawObstacle() {
-    const { sentence, offer, words } = this.model.get("obstacle");
+    const { sentence, has_offer: hasOffer } = this.model.get("obstacle");
     this.obstacle.hidden = !sentence;
     if (!sentence) return;
-    const hasOffer = offer && Object.keys(offer).length > 0;
+    const use = button("Use these", { signal: this.signal, onclick: () => this.model.send({ deed: "nearest" }) });
     fill(
       this.obstacle,
       element("p", {}, element("strong", {}, "Out of reach. "), sentence),
-      hasOffer
-        ? element(
-            "p",
-            {},
-            `The nearest that it can: ${words} `,
-            button("Use these", { signal: this.signal, onclick: () => this.model.send({ deed: "nearest" }) }),
-          )
-        : [],
+      hasOffer ? element("p", {}, "Ask for the nearest values instead: ", use) : [],
     );
   }
 
