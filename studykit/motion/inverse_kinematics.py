@@ -233,7 +233,6 @@ def _improved(
 ) -> tuple[Floats, Floats]:
     """Take damped Gauss-Newton steps from a start, frame by frame but all at once."""
     joints = len(skeleton.parents)
-    below = _descendants(skeleton)
     weight = np.full(3 * joints + 3, 1e-4)  # m^2/rad^2: what no joint shows stays as it was
     weight[-3:] = 1e-9
     damping = np.full(len(positions), 1e-4)
@@ -241,15 +240,9 @@ def _improved(
     seen = kinematics.centred_positions(skeleton, rotations) + root[:, None]
     cost = np.sum((seen - positions) ** 2, axis=(1, 2))
     for _ in range(rounds):
-        turn = rotation.to_matrix(kinematics.global_rotations(skeleton, rotations))
-        # d p_k / d delta_j for local turns R_j exp(delta_j): the columns of G_j crossed with p_k - p_j.
-        arm = (seen[:, :, None] - seen[:, None]) * below[..., None]
         slopes = np.empty((len(seen), 3 * joints, 3 * joints + 3))
-        slopes[..., :-3] = (
-            np.cross(np.swapaxes(turn, 2, 3)[:, None], arm[:, :, :, None])
-            .reshape(len(seen), joints, 3 * joints, 3)
-            .swapaxes(2, 3)
-            .reshape(len(seen), 3 * joints, 3 * joints)
+        slopes[..., :-3] = kinematics.position_slopes(skeleton, rotations, range(joints)).reshape(
+            len(seen), 3 * joints, 3 * joints
         )
         slopes[..., -3:] = np.tile(np.eye(3), (joints, 1))
         normal = np.swapaxes(slopes, 1, 2) @ slopes
@@ -271,16 +264,6 @@ def _improved(
         cost = np.where(better, tried_cost, cost)
         damping = np.where(better, damping / 10.0, damping * 10.0)
     return rotations, root
-
-
-def _descendants(skeleton: Skeleton) -> Floats:
-    """Give 1 where joint k (first axis) hangs, at any depth, on joint j (second axis)."""
-    below = np.zeros((len(skeleton.parents),) * 2)
-    for joint, parent in enumerate(skeleton.parents):
-        if parent >= 0:
-            below[joint] = below[parent]
-            below[joint, parent] = 1.0
-    return below
 
 
 def _unit(vectors: Floats) -> Floats:
