@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from studykit import reports as reports
     from studykit import widgets as widgets
     from studykit.choreography import choreograph as choreograph
-    from studykit.choreography.goal import goals as goals
+    from studykit.choreography.targets import goals as goals
     from studykit.io.protocol_file import read_protocol as read_protocol
     from studykit.library import open_library as open_library
     from studykit.session import open_study as open_study
@@ -32,7 +32,7 @@ __version__ = "0.1.0"
 _ROOMS = ("analysis", "figures", "library", "protocol", "reports", "widgets")
 _NAMES = {
     "choreograph": "studykit.choreography",
-    "goals": "studykit.choreography.goal",
+    "goals": "studykit.choreography.targets",
     "open_library": "studykit.library",
     "open_study": "studykit.session",
     "read_protocol": "studykit.io.protocol_file",

@@ -2,23 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import os
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
 
-from studykit.choreography.dance import Dance, DanceMeasures, DanceSegment, blended_measures
-from studykit.choreography.dance_library import DanceLibrary, require_segments
-from studykit.choreography.goal import Goal, goals
-from studykit.choreography.rjmcmc.descent import reordered
-from studykit.choreography.rjmcmc.moves import MoveSet
-from studykit.choreography.rjmcmc.run import SearchResult, run
-from studykit.choreography.rjmcmc.sequence import Repertoire
+from studykit.choreography.dance import (
+    Dance,
+    DanceBlock,
+    DanceMeasures,
+    DanceSegment,
+    blended_measures,
+    measured,
+)
+from studykit.choreography.dance_library import DanceLibrary
+from studykit.choreography.goal import ENERGY_HIT, Goal
+from studykit.choreography.measures import Measures
+from studykit.choreography.reach import require_reachable
+from studykit.choreography.rjmcmc.chain import Found, Search
+from studykit.choreography.rjmcmc.repertoire import Repertoire, repertoire
+from studykit.choreography.targets import goals
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.seeding import stream
+from studykit.motion import kinematics
+from studykit.motion.animation import animate
 from studykit.motion.blending import joined
+from studykit.motion.motion import Motion
 from studykit.protocol.study_protocol import StudyProtocol
 
 PATIENCE = 4
 """How many times the preset's chains are tried while none has hit all goals."""
+_ANIMATED = 6
+"""How many of the dances found are animated, at most, to see what joins do to them."""
 
 
 def choreograph(
@@ -33,7 +50,8 @@ def choreograph(
     library : DanceLibrary
         What they are made of.
     seed : int
-        Other seeds give other dances for the same goals; the same seed gives the same.
+        Other seeds give other dances for the same goals; the same seed gives the same, on any machine's
+        number of cores.
     progress : Progress
         Told of each dance.
 
@@ -49,75 +67,188 @@ def choreograph(
     }
 
 
-def dance(goal: Goal, library: DanceLibrary, *, seed: int = 0) -> Dance:
+def dance(
+    goal: Goal,
+    library: DanceLibrary,
+    *,
+    seed: int = 0,
+    is_preview: bool = False,
+    workers: int | None = None,
+    stage_m: tuple[float, float] | None = None,
+) -> Dance:
     """Find one dance.
+
+    Parameters
+    ----------
+    goal : Goal
+        What it shall be like; see `request.requested` and `targets.goals`.
+    library : DanceLibrary
+        What it is made of.
+    seed : int
+        Other seeds give other dances for the same goal.
+    is_preview : bool
+        A first look in a fraction of the time: fewer chains, joins blended but not cleaned up, and a dance
+        that misses its goal is shown nevertheless.
+    workers : int or None
+        Chains that run side by side; as many as there are cores if not given. The dance does not depend on
+        it.
+    stage_m : (float, float), m, or None
+        Width and depth that the dance shall keep to.
 
     Raises
     ------
     InputError
-        If the library is too small, or no dance as asked was found (preset "studykit"; the preset "paper"
-        gives the best it met).
+        If the library is too small, a goal is out of reach (`reach.OutOfReachError`), or no dance as asked
+        was found (preset "studykit"; the preset "paper" gives the best it met).
     """
-    if goal.novelty is None:
-        require_segments(library, goal.segments)
-    repertoire = Repertoire(library, goal.preset.variety)
-    best, misses = _best_of_chains(goal, repertoire, seed)
-    if misses and goal.preset.is_reached:
-        off = ", ".join(f"{name} off by {share:.0%}" for name, share in misses.items())
+    known = repertoire(library, goal.preset, goal.mask, goal.terms)
+    _require_segments(goal, known)
+    if goal.preset.is_reached:
+        require_reachable(goal, known, seed=seed)
+    outcome = _searched(goal, known, seed=seed, is_preview=is_preview, workers=workers)
+    best = outcome.ranked(goal)[0]
+    missed = goal.misses(best.measures)
+    if missed and goal.preset.is_reached and not is_preview and not outcome.is_interrupted:
+        off = ", ".join(f"{name} off by {share:.0%}" for name, share in missed.items())
         raise InputError(
             f"{len(library)} segments hold no dance of {goal.duration_s:g} s for {goal.condition} ({off})",
             where=library.name,
             remedy="add takes, or ask for a longer or less extreme dance in [dance]",
         )
-    return _dance(goal, library, repertoire, best, seed)
+    if is_preview:
+        motion = joined(_motions(known, best), blend=goal.preset.blend)
+        return _dance(goal, known, best, motion, outcome, seed)
+    chosen, motion = _shown(goal, known, outcome, stage_m)
+    return _dance(goal, known, chosen, motion, outcome, seed)
 
 
-def _best_of_chains(goal: Goal, repertoire: Repertoire, seed: int) -> tuple[SearchResult, dict[str, float]]:
-    """Give the dance of lowest cost among those that miss least, and what it misses."""
-    found: list[tuple[int, float, int, SearchResult]] = []
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Outcome:
+    """All that the chains found, in their order."""
+
+    found: tuple[Found, ...]
+    is_interrupted: bool
+
+    def ranked(self, goal: Goal) -> list[Found]:
+        """Put the dances in order: those that miss least first, of these the cheapest."""
+        return sorted(self.found, key=lambda one: (len(goal.misses(one.measures)), one.cost))
+
+
+def _require_segments(goal: Goal, known: Repertoire) -> None:
+    """Refuse a library that has fewer segments than a dance without repetition needs."""
+    most = max((block.segments for block in goal.blocks if block.novelty is None), default=1)
+    if known.size < most:
+        spared = f" in which {goal.spared} stay below their limits" if goal.mask else ""
+        raise InputError(
+            f"the library has {known.size} segments{spared}, a dance that never repeats needs {most}",
+            where=known.library.name,
+            remedy="add takes, ask for a shorter dance, or for one that is easier to remember",
+        )
+
+
+def _searched(goal: Goal, known: Repertoire, *, seed: int, is_preview: bool, workers: int | None) -> _Outcome:
+    """Run chains until one hits all goals; whole batches, so that the number of cores changes nothing."""
     preset = goal.preset
-    for chain in range(preset.chains * (PATIENCE if preset.is_reached else 1)):
-        result = _search(goal, repertoire, seed=seed, chain=chain)
-        found.append((len(goal.misses(result.sequence.measures)), result.cost, chain, result))
-        if chain + 1 >= preset.chains and min(found)[0] == 0:
+    search = Search(goal=goal, repertoire=known, annealing=preset.preview if is_preview else preset.annealing)
+    chains = preset.preview_chains if is_preview else preset.chains
+    batches = PATIENCE if preset.is_reached and not is_preview else 1
+    found: list[Found] = []
+    with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
+        for batch in range(batches):
+            numbers = range(batch * chains, (batch + 1) * chains)
+            futures = [
+                pool.submit(search.run, stream(seed, "dance", goal.condition, chain)) for chain in numbers
+            ]
+            try:
+                found += [future.result() for future in futures]
+            except KeyboardInterrupt:
+                found += _finished(futures)
+                return _Outcome(found=tuple(found), is_interrupted=True)
+            if any(not goal.misses(one.measures) for one in found):
+                break
+    return _Outcome(found=tuple(found), is_interrupted=False)
+
+
+def _finished(futures: list[Future[Found]]) -> Iterator[Found]:
+    """Call off what has not begun and wait for the rest: a chain takes a fraction of a second."""
+    for future in futures:
+        future.cancel()
+    for future in futures:
+        with suppress(CancelledError):
+            yield future.result()
+
+
+def _motions(known: Repertoire, found: Found) -> list[Motion]:
+    return [known.library.motion(row) for block in known.library_rows(found.blocks) for row in block]
+
+
+def _shown(
+    goal: Goal, known: Repertoire, outcome: _Outcome, stage_m: tuple[float, float] | None
+) -> tuple[Found, Motion]:
+    """Animate dances, the best first, until one is still as asked with its joins.
+
+    Raises
+    ------
+    InputError
+        If spared joints turn faster than allowed in all of them.
+    """
+    ranked = outcome.ranked(goal)
+    fewest = len(goal.misses(ranked[0].measures))
+    alike = [one for one in ranked if len(goal.misses(one.measures)) == fewest][:_ANIMATED]
+    held = () if goal.mask is None else tuple(known.protected.tolist())
+    shown: list[tuple[float, Found, Motion]] = []
+    for one in alike:
+        motion = animate(_motions(known, one), blend=goal.preset.blend, stage_m=stage_m, held=held)
+        if goal.preset.is_reached and not _is_spared(goal, motion):
+            continue
+        off = _off_when_shown(goal, motion)
+        shown.append((off, one, motion))
+        if off <= ENERGY_HIT or not goal.preset.is_reached:
             break
-    best = min(found)[-1]
-    return best, goal.misses(best.sequence.measures)
+    if not shown:
+        raise InputError(
+            f"{goal.spared} turn faster than allowed in every dance found",
+            where=known.library.name,
+            remedy="allow a higher speed, or splice still limbs in",
+        )
+    return min(shown, key=lambda entry: entry[0])[1:]
 
 
-def _search(goal: Goal, repertoire: Repertoire, *, seed: int, chain: int) -> SearchResult:
-    rng = stream(seed, "dance", goal.condition, chain)
-    wanted = goal.segments
-    moves = MoveSet(
-        repertoire=repertoire,
-        bounds=(
-            max(1, wanted - 2),
-            wanted + 2 if goal.novelty is not None else min(wanted + 2, repertoire.size),
-        ),
-        novelty=goal.novelty,
-        place=goal.preset.moves,
+def _is_spared(goal: Goal, motion: Motion) -> bool:
+    if goal.mask is None:
+        return True
+    peaks = kinematics.angular_speeds(motion.rotations, motion.frame_rate_hz).max(axis=0)
+    return bool((peaks <= goal.mask.speed_limits_rad_s).all())
+
+
+def _off_when_shown(goal: Goal, motion: Motion) -> float:
+    """Give by what share an energy of a block is off at most in the movement as shown."""
+    counts = tuple(block.segments for block in goal.blocks)
+    if sum(counts) * 120 != len(motion):
+        return float("inf")
+    shown = measured(motion, (0.0,) * len(counts), counts)
+    return max(
+        max(
+            abs(have.linear_energy / block.linear_energy - 1.0),
+            abs(have.rotational_energy / block.rotational_energy - 1.0),
+        )
+        for have, block in zip(shown, goal.blocks, strict=True)
     )
-    start = repertoire.sequence(
-        tuple(int(s) for s in rng.choice(repertoire.size, size=wanted, replace=goal.novelty is not None))
-    )
-    objective = goal.objective()
-    found = run(start, objective, moves, goal.preset.schedule, rng=rng, rule=goal.preset.acceptance)
-    if not goal.preset.reorders:
-        return found
-    sequence = reordered(found.sequence, objective, repertoire)
-    return replace(found, sequence=sequence, cost=objective.cost(sequence.measures))
 
 
 def _dance(
-    goal: Goal, library: DanceLibrary, repertoire: Repertoire, result: SearchResult, seed: int
+    goal: Goal, known: Repertoire, found: Found, motion: Motion, outcome: _Outcome, seed: int
 ) -> Dance:
-    # Sums that were carried through thousands of changes are taken anew.
-    measures = repertoire.sequence(result.sequence.segments).measures
-    motion = joined(
-        [library.motion(segment) for segment in result.sequence.segments], blend=goal.preset.blend
+    objective = goal.objective(known.library)
+    rows = known.library_rows(found.blocks)
+    table = known.library.segments.iloc[[row for block in rows for row in block]]
+    counts = tuple(len(block) for block in rows)
+    varieties = found.measures.blocks["variety"]
+    shown = measured(motion, varieties, counts)
+    blocks = tuple(
+        DanceBlock(asked=block.measures, achieved=_of_block(found.measures, number), achieved_blended=blended)
+        for number, (block, blended) in enumerate(zip(goal.blocks, shown, strict=True))
     )
-    objective = goal.objective()
-    rows = library.segments.iloc[list(result.sequence.segments)]
     return Dance(
         condition=goal.condition,
         seed=seed,
@@ -125,32 +256,47 @@ def _dance(
         targets_from=goal.targets_from,
         segments=tuple(
             DanceSegment(
-                id=row["id"],
+                id=int(row["id"]),
                 take=row["take"],
                 start_s=row["start_s"],
                 mirrored=bool(row["mirrored"]),
                 licence=row["licence"],
+                spliced_from=row.get("spliced_from", ""),
             )
-            for row in rows.to_dict("records")
+            for row in table.to_dict("records")
         ),
         motion=motion,
-        asked=DanceMeasures(
-            duration_s=goal.duration_s,
-            linear_energy=goal.linear_energy,
-            rotational_energy=goal.rotational_energy,
-            variety=goal.variety,
-        ),
-        achieved=DanceMeasures(
-            duration_s=measures.duration_s,
-            linear_energy=measures.linear_energy,
-            rotational_energy=measures.rotational_energy,
-            variety=measures.variety,
-        ),
-        achieved_blended=blended_measures(motion, measures.variety),
-        cost_total=objective.cost(measures),
-        cost_terms=objective.terms(measures),
-        displacements_m=measures.displacements_m,
-        trace=result.trace,
-        library_sha256=library.sha256,
-        is_synthetic=bool(rows["is_synthetic"].any()),
+        asked=goal.measures,
+        achieved=_whole(found.measures),
+        achieved_blended=blended_measures(motion, found.measures.variety),
+        blocks=blocks,
+        mask=goal.mask,
+        cost_total=objective.cost(found.measures),
+        cost_terms=objective.terms(found.measures),
+        weights=objective.weights,
+        displacements_m=found.measures.displacements_m,
+        variety_error=found.guided_variety - found.measures.variety,
+        chain_costs=tuple(one.cost for one in outcome.found),
+        trace=found.trace,
+        library_sha256=known.library.sha256,
+        is_synthetic=bool(table["is_synthetic"].any()),
+        is_interrupted=outcome.is_interrupted,
+    )
+
+
+def _whole(measures: Measures) -> DanceMeasures:
+    return DanceMeasures(
+        duration_s=measures.duration_s,
+        linear_energy=measures.linear_energy,
+        rotational_energy=measures.rotational_energy,
+        variety=measures.variety,
+    )
+
+
+def _of_block(measures: Measures, number: int) -> DanceMeasures:
+    return DanceMeasures(
+        duration_s=measures.blocks["duration"][number],
+        linear_energy=measures.blocks["linear"][number],
+        rotational_energy=measures.blocks["rotational"][number],
+        variety=measures.blocks["variety"][number],
     )

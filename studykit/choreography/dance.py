@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from studykit.choreography.rjmcmc.run import TraceRow
+from studykit.choreography.rjmcmc.trace import TraceRow
 from studykit.core.provenance import sha256_of_value
 from studykit.motion import energy, kinematics
+from studykit.motion.joint_mask import JointMask
 from studykit.motion.motion import Motion
+from studykit.motion.segmentation import SEGMENT_FRAMES, SEGMENT_S
 
-VERSION = 1
+VERSION = 2
 
 
 TargetsFrom = Literal["percentiles", "raters", "paper"]
@@ -18,13 +20,14 @@ TargetsFrom = Literal["percentiles", "raters", "paper"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DanceSegment:
-    """One segment of a dance and where it comes from."""
+    """One segment of a dance and where it comes from; `spliced_from` names the take of a limb put in."""
 
     id: int
     take: str
     start_s: float
     mirrored: bool
     licence: str
+    spliced_from: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -38,7 +41,8 @@ class DanceMeasures:
     linear_energy, rotational_energy : float, J per kg
         Sums of Eq. 8 and 11 over all poses; times the body mass they are in the paper's unit.
     variety : float
-        phi of Eq. 5, in the metric of the preset.
+        phi of Eq. 5, in the metric of the preset; of several blocks their mean, a longer one counting for
+        more.
     """
 
     duration_s: float
@@ -49,6 +53,15 @@ class DanceMeasures:
     def to_dict(self) -> dict[str, float]:
         """Give the measures by name."""
         return {name: getattr(self, name) for name in self.__slots__}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DanceBlock:
+    """One stretch of a dance: targets; measures within its segments; and of the movement as shown."""
+
+    asked: DanceMeasures
+    achieved: DanceMeasures
+    achieved_blended: DanceMeasures
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -72,18 +85,30 @@ class Dance:
     asked, achieved, achieved_blended : DanceMeasures
         Targets; exact measures within the segments; measures of the movement as shown (its variety is that of
         the segments).
+    blocks : tuple of DanceBlock
+        The same by block; most dances have one.
+    mask : JointMask or None
+        Joints that are spared.
     cost_total : float
         Eq. 1.
-    cost_terms : dict of str to float
-        Every term, unweighted.
+    cost_terms, weights : dict of str to float
+        Every term, unweighted, and its lambda.
     displacements_m : tuple of float
         Eq. 3 at each join, before blending.
+    variety_error : float
+        By how much the search was wrong about the variety, where it was guided by reduced features.
+    chain_costs : tuple of float
+        Cost of the best dance of each chain of the search.
     trace : tuple of TraceRow
-        How the search went.
+        How the best chain went.
     library_sha256 : str
         The library's digest.
     is_synthetic : bool
         Whether any segment was made up rather than danced by a person.
+    is_interrupted : bool
+        Whether the search was stopped before its end, and this is the best so far.
+    version : int
+        Of the way in which segments become a movement, and of the dance's file.
     """
 
     condition: str
@@ -95,12 +120,19 @@ class Dance:
     asked: DanceMeasures
     achieved: DanceMeasures
     achieved_blended: DanceMeasures
+    blocks: tuple[DanceBlock, ...]
+    mask: JointMask | None = None
     cost_total: float
     cost_terms: dict[str, float]
+    weights: dict[str, float]
     displacements_m: tuple[float, ...]
+    variety_error: float = 0.0
+    chain_costs: tuple[float, ...]
     trace: tuple[TraceRow, ...]
     library_sha256: str
     is_synthetic: bool
+    is_interrupted: bool = False
+    version: int = VERSION
 
     @property
     def distinct_segments(self) -> int:
@@ -112,72 +144,144 @@ class Dance:
         """Digest of what determines the movement: the library and the segments chosen."""
         return sha256_of_value(
             {
-                "version": VERSION,
+                "version": self.version,
                 "condition": self.condition,
                 "library_sha256": self.library_sha256,
                 "segments": [segment.id for segment in self.segments],
             }
         )
 
+    def joints(self) -> dict[str, dict[str, float | None]]:
+        """Tell what the dance as shown asks of each joint.
+
+        Returns
+        -------
+        dict
+            By name: `peak_rad_s`, `mean_rad_s` (angular speed relative to the parent), `energy` (rotational,
+            J per kg, summed over the poses) and `limit_rad_s` (None where the joint is free).
+        """
+        turned = self.motion.rotations
+        speeds = kinematics.angular_speeds(turned, self.motion.frame_rate_hz)
+        energies = energy.rotational_energy(turned, self.motion.frame_rate_hz)
+        limits = {} if self.mask is None else self.mask.to_dict()
+        return {
+            name: {
+                "peak_rad_s": float(speeds[:, joint].max()),
+                "mean_rad_s": float(speeds[:, joint].mean()),
+                "energy": float(energies[joint]),
+                "limit_rad_s": limits.get(name, {}).get("speed_limit_rad_s"),
+            }
+            for joint, name in enumerate(self.motion.skeleton.joint_names)
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """Give all but the movement as plain values, ready for JSON."""
-        speeds = kinematics.angular_speeds(self.motion.rotations, self.motion.frame_rate_hz)
         return {
-            "version": VERSION,
+            "version": self.version,
             "condition": self.condition,
             "seed": self.seed,
             "preset": self.preset,
             "targets_from": self.targets_from,
             "is_synthetic": self.is_synthetic,
+            "is_interrupted": self.is_interrupted,
             "asked": self.asked.to_dict(),
             "achieved": self.achieved.to_dict(),
             "achieved_blended": self.achieved_blended.to_dict(),
-            "cost": {"total": self.cost_total, "terms": self.cost_terms},
+            "blocks": [
+                {name: getattr(block, name).to_dict() for name in DanceBlock.__slots__}
+                for block in self.blocks
+            ],
+            "spared": None if self.mask is None else self.mask.to_dict(),
+            "cost": {"total": self.cost_total, "terms": self.cost_terms, "weights": self.weights},
+            "variety_error": self.variety_error,
             "segments": [{name: getattr(s, name) for name in DanceSegment.__slots__} for s in self.segments],
             "joins": [{"displacement_m": jump} for jump in self.displacements_m],
-            "joints": {
-                name: {
-                    "peak_rad_s": float(speeds[:, joint].max()),
-                    "mean_rad_s": float(speeds[:, joint].mean()),
-                }
-                for joint, name in enumerate(self.motion.skeleton.joint_names)
-            },
-            "trace": [{name: getattr(row, name) for name in TraceRow.__slots__} for row in self.trace],
+            "joints": self.joints(),
+            "chain_costs": list(self.chain_costs),
+            "trace": [{field.name: getattr(row, field.name) for field in fields(row)} for row in self.trace],
             "library_sha256": self.library_sha256,
             "sha256": self.sha256,
         }
 
     @classmethod
     def from_dict(cls, values: dict[str, Any], motion: Motion) -> Dance:
-        """Undo `to_dict`."""
+        """Undo `to_dict`; dances of version 1 had one block, spared nothing and told less of the search."""
+        if values["version"] < VERSION:
+            measures = {name: values[name] for name in DanceBlock.__slots__}
+            older = {
+                "targets_from": "paper" if values["preset"] == "paper" else "percentiles",
+                "blocks": [measures],
+                "spared": None,
+                "chain_costs": [],
+                "variety_error": 0.0,
+                "is_interrupted": False,
+            }
+            cost = {"weights": {}, **values["cost"]}
+            rows = [{"terms": {}, **row} for row in values["trace"]]
+            values = older | values | {"cost": cost, "trace": rows}
+        spared = values["spared"]
         return cls(
             condition=values["condition"],
             seed=values["seed"],
             preset=values["preset"],
-            # Dances written before raters could be asked do not say.
-            targets_from=values.get(
-                "targets_from", "paper" if values["preset"] == "paper" else "percentiles"
-            ),
+            targets_from=values["targets_from"],
             segments=tuple(DanceSegment(**segment) for segment in values["segments"]),
             motion=motion,
             asked=DanceMeasures(**values["asked"]),
             achieved=DanceMeasures(**values["achieved"]),
             achieved_blended=DanceMeasures(**values["achieved_blended"]),
+            blocks=tuple(
+                DanceBlock(**{name: DanceMeasures(**measures) for name, measures in block.items()})
+                for block in values["blocks"]
+            ),
+            mask=None if spared is None else JointMask.from_dict(spared),
             cost_total=values["cost"]["total"],
             cost_terms=values["cost"]["terms"],
+            weights=values["cost"]["weights"],
             displacements_m=tuple(join["displacement_m"] for join in values["joins"]),
+            variety_error=values["variety_error"],
+            chain_costs=tuple(values["chain_costs"]),
             trace=tuple(TraceRow(**row) for row in values["trace"]),
             library_sha256=values["library_sha256"],
             is_synthetic=values["is_synthetic"],
+            is_interrupted=values["is_interrupted"],
+            version=values["version"],
         )
 
 
 def blended_measures(motion: Motion, variety: float) -> DanceMeasures:
-    """Measure a movement as shown, joins included."""
+    """Measure a whole movement as shown, joins included."""
+    return measured(motion, (variety,), (round(len(motion) / SEGMENT_FRAMES),))[0]
+
+
+def measured(
+    motion: Motion, varieties: tuple[float, ...], segments: tuple[int, ...]
+) -> tuple[DanceMeasures, ...]:
+    """Measure a movement as shown, joins included, block by block.
+
+    Parameters
+    ----------
+    motion : Motion
+        The whole dance.
+    varieties : tuple of float
+        Of the segments of each block.
+    segments : tuple of int
+        How many segments each block has. A step between two blocks belongs to the later one.
+    """
     positions = kinematics.centred_positions(motion.skeleton, motion.rotations)
-    return DanceMeasures(
-        duration_s=motion.duration_s,
-        linear_energy=float(energy.linear_energy(positions, motion.frame_rate_hz).sum()),
-        rotational_energy=float(energy.rotational_energy(motion.rotations, motion.frame_rate_hz).sum()),
-        variety=variety,
-    )
+    linear = energy.linear_energy_steps(positions, motion.frame_rate_hz).sum(axis=-1)
+    rotational = energy.rotational_energy_steps(motion.rotations, motion.frame_rate_hz).sum(axis=-1)
+    found, start = [], 0
+    for variety, count in zip(varieties, segments, strict=True):
+        frames = count * SEGMENT_FRAMES
+        steps = slice(max(start - 1, 0), start + frames - 1)
+        found.append(
+            DanceMeasures(
+                duration_s=count * SEGMENT_S,
+                linear_energy=float(linear[steps].sum()),
+                rotational_energy=float(rotational[steps].sum()),
+                variety=variety,
+            )
+        )
+        start += frames
+    return tuple(found)

@@ -330,11 +330,34 @@ class SegmentDistances:
             return np.asarray(self._dense[first[:, None], second])
         return np.where(first[:, None] == second, 0.0, self._measured(first, second))
 
-    def total(self, segment: int, others: Sequence[int]) -> float:
-        """Give the sum of the distances of one segment to others."""
-        if self._dense is not None:
-            return float(self._dense[segment].take(others).sum())
-        return float(self.between((segment,), others).sum())
+    @property
+    def table(self) -> Floats | None:
+        """All distances, shape (segment, segment), where the library is small enough to keep them."""
+        return self._dense
+
+    @property
+    def is_reduced(self) -> bool:
+        """Whether a search is guided by reduced distances."""
+        return self._dense is None and self._metric == "euclidean_z" and self._library.reduced is not None
+
+    def guide(self, one: int, other: int) -> float:
+        """Give the distance of two segments as a search sees it: reduced where not all are kept."""
+        reduced = self._library.reduced
+        if self._dense is None and self._metric == "euclidean_z" and reduced is not None:
+            return float(reduced.between(one, other)[0, 0])
+        return float(self.between((one,), (other,))[0, 0])
+
+    def exact(self, rows: Sequence[int]) -> Floats:
+        """Give the distances of a few segments from all their features in double precision."""
+        numbers, places = np.unique(np.array(rows), return_inverse=True)
+        vectors = self._vectors(numbers).astype(np.float64)
+        if self._metric == "cosine":
+            vectors /= np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
+            between = 1.0 - vectors @ vectors.T
+            np.fill_diagonal(between, 0.0)
+        else:
+            between = np.array([np.linalg.norm(vectors - vector, axis=1) for vector in vectors])
+        return np.asarray(between[np.ix_(places, places)])
 
     def _measured(self, rows: Any, columns: Any) -> Floats:
         first, second = self._vectors(rows), self._vectors(columns)

@@ -3,40 +3,62 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from studykit.choreography.cost.duration import DurationCost
-from studykit.choreography.cost.intensity import IntensityCost
-from studykit.choreography.cost.total import TotalCost
+from studykit.choreography.cost.block import BlockCost
+from studykit.choreography.cost.mask import mask_tolerance
+from studykit.choreography.cost.term import CostTerm, SegmentTerm
+from studykit.choreography.cost.total import TotalCost, Weighted
 from studykit.choreography.cost.transition import TransitionCost
-from studykit.choreography.cost.variety import VarietyCost
-from studykit.choreography.dance import TargetsFrom
+from studykit.choreography.dance import DanceMeasures, TargetsFrom
 from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary
-from studykit.choreography.measures import Measures
-from studykit.choreography.preset import PRESETS, Preset
-from studykit.core.errors import InputError
-from studykit.motion.body import DEFAULT_BODY_MASS_KG
+from studykit.choreography.measures import Measures, mean_variety
+from studykit.choreography.preset import Preset
+from studykit.motion.joint_mask import JointMask
 from studykit.motion.segmentation import SEGMENT_S
-from studykit.protocol.condition import Condition, Intensity, Variety
-from studykit.protocol.study_protocol import DancePlan, StudyProtocol
 
 DURATION_TOLERANCE_S = 1.0
 ENERGY_HIT = 0.05
 """A dance is as intense as asked when both energies are within this share of their targets."""
 
-# Section 5.6 of the paper, in its unit: energies times body mass in kg.
-PAPER_ENERGIES = {"light": (56.5, 31.8), "intense": (147.2, 106.5)}
-"""Linear and rotational energy of a dance of 32 s that the paper prints as its targets (section 5.6)."""
-PAPER_VARIETIES = {"easy": 67.4, "hard": 143.1}
-"""Its targets of variety, read as mean distances of standardised features."""
 
-_PAPER_SPREADS = (88.4, 48.0)
-# 67.4 and 143.1 cannot be values of Eq. 5; they are read as distances of standardised features, of which
-# unrelated vectors are sqrt(2 x 11640) = 152.6 apart: 1 - cos = (d / 152.6)^2.
-_PAPER_COSINES = {level: distance**2 / 23280.0 for level, distance in PAPER_VARIETIES.items()}
-_PAPER_TRANSITION_TOLERANCE_M = 0.03
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Block:
+    """Targets of one stretch of a dance; most dances have one.
+
+    Parameters
+    ----------
+    duration_s : float
+        A multiple of 4 s.
+    linear_energy, rotational_energy : float, J per kg
+        Targets of the sums over its poses.
+    variety : float
+        Target of phi, in the metric's unit; 0 where a single segment has nothing to differ from.
+    novelty : float or None
+        How rarely segments come back; see `rjmcmc.moves.Moves`.
+    """
+
+    duration_s: float
+    linear_energy: float
+    rotational_energy: float
+    variety: float
+    novelty: float | None
+
+    @property
+    def segments(self) -> int:
+        """Number of segments that fill the duration."""
+        return round(self.duration_s / SEGMENT_S)
+
+    @property
+    def measures(self) -> DanceMeasures:
+        """The targets as measures of a dance."""
+        return DanceMeasures(
+            duration_s=self.duration_s,
+            linear_energy=self.linear_energy,
+            rotational_energy=self.rotational_energy,
+            variety=self.variety,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -46,199 +68,132 @@ class Goal:
     Parameters
     ----------
     condition : str
-        Name of the condition, such as "light-easy-on".
-    duration_s : float
-        A multiple of 4 s.
-    linear_energy, rotational_energy : float, J per kg
-        Targets of the sums over all poses.
-    variety : float
-        Target of phi, in the metric's unit.
+        Name of the condition or of the dance, such as "light-easy-on".
+    blocks : tuple of Block
+        Targets, one block after the other.
     linear_tolerance, rotational_tolerance : float
-        On the preset's scale: shares of the target, or J per kg.
+        On the preset's scale: shares of the target, or J per kg in 32 s.
     variety_tolerance : float
         In the metric's unit; how far a dance may be off and still count as hit.
     transition_tolerance_m : float
         Displacement at a join that counts as smooth.
-    novelty : float or None
-        How rarely segments come back; see `rjmcmc.moves.MoveSet`.
-    weights : dict of str to float
-        lambda of Eq. 1, by term.
+    weights : mapping of str to float
+        lambda of Eq. 1, by term: duration, transition, variety, linear, rotational, mask.
     preset : Preset
         How the formulas are read.
     targets_from : {"percentiles", "raters", "paper"}
         Who says what the words of the condition mean.
+    mask : JointMask or None
+        Joints that are spared.
+    terms : tuple of SegmentTerm or CostTerm
+        Further terms.
     """
 
     condition: str
-    duration_s: float
-    linear_energy: float
-    rotational_energy: float
-    variety: float
+    blocks: tuple[Block, ...]
     linear_tolerance: float
     rotational_tolerance: float
     variety_tolerance: float
     transition_tolerance_m: float
-    novelty: float | None
-    weights: dict[str, float] = field(hash=False)
+    weights: Mapping[str, float] = field(hash=False)
     preset: Preset
     targets_from: TargetsFrom
+    mask: JointMask | None = None
+    terms: tuple[SegmentTerm | CostTerm, ...] = ()
+
+    @property
+    def spared(self) -> str:
+        """Names of the joints that are spared, for a sentence."""
+        return ", ".join(self.mask.spared) if self.mask is not None else ""
 
     @property
     def segments(self) -> int:
-        """Number of segments that fill the duration."""
-        return round(self.duration_s / SEGMENT_S)
+        """Number of segments of the whole dance."""
+        return sum(block.segments for block in self.blocks)
 
-    def objective(self) -> TotalCost:
-        """Give the total cost that the search lowers."""
-        preset = self.preset
-        terms = (
-            DurationCost(target_s=self.duration_s, tolerance_s=DURATION_TOLERANCE_S),
-            TransitionCost(tolerance_m=self.transition_tolerance_m, form=preset.transition),
-            VarietyCost(target=self.variety, tolerance=self.variety_tolerance),
-            IntensityCost(
-                name="linear",
-                target=self.linear_energy,
-                tolerance=self.linear_tolerance,
-                scale=preset.intensity,
-            ),
-            IntensityCost(
-                name="rotational",
-                target=self.rotational_energy,
-                tolerance=self.rotational_tolerance,
-                scale=preset.intensity,
+    @property
+    def duration_s(self) -> float:
+        """Length of the whole dance."""
+        return sum(block.duration_s for block in self.blocks)
+
+    @property
+    def measures(self) -> DanceMeasures:
+        """The targets of the whole dance."""
+        return DanceMeasures(
+            duration_s=self.duration_s,
+            linear_energy=sum(block.linear_energy for block in self.blocks),
+            rotational_energy=sum(block.rotational_energy for block in self.blocks),
+            variety=mean_variety(
+                tuple(block.variety for block in self.blocks), tuple(block.segments for block in self.blocks)
             ),
         )
-        return TotalCost(tuple((term, self.weights[term.name]) for term in terms))
+
+    def objective(self, library: DanceLibrary) -> TotalCost:
+        """Give the total cost that the search lowers; all but the transition term are `BlockCost`."""
+        blocks, preset = self.blocks, self.preset
+        shares = tuple(block.segments / CHAIN_SEGMENTS for block in blocks)
+        each = (1.0,) * len(blocks)
+
+        def term(
+            name: str, targets: tuple[float, ...], tolerance: float, widths: tuple[float, ...]
+        ) -> Weighted:
+            # On the logarithm a tolerance is a share; otherwise it belongs to a dance of 32 s.
+            scale = preset.intensity if name in ("linear", "rotational") else "absolute"
+            tolerances = tuple(tolerance * width for width in (each if scale == "log" else widths))
+            cost = BlockCost(name=name, targets=targets, tolerances=tolerances, scale=scale, form=preset.form)
+            return cost, self.weights[name]
+
+        weighted: list[Weighted] = [
+            term("duration", tuple(block.duration_s for block in blocks), DURATION_TOLERANCE_S, each),
+            term("variety", tuple(block.variety for block in blocks), self.variety_tolerance, each),
+            term("linear", tuple(b.linear_energy for b in blocks), self.linear_tolerance, shares),
+            term("rotational", tuple(b.rotational_energy for b in blocks), self.rotational_tolerance, shares),
+        ]
+        if self.mask is not None:
+            counts = tuple(float(block.segments) for block in blocks)
+            weighted.append(term("mask", (0.0,) * len(blocks), mask_tolerance(library, self.mask), counts))
+        for own in self.terms:
+            if isinstance(own, SegmentTerm):
+                cost = BlockCost(
+                    name=own.name,
+                    targets=tuple(own.target * block.segments for block in blocks),
+                    tolerances=tuple(own.tolerance * block.segments for block in blocks),
+                    form=preset.form,
+                )
+                weighted.append((cost, own.weight))
+            else:
+                weighted.append((own, own.weight))
+        transition = TransitionCost(tolerance_m=self.transition_tolerance_m, form=preset.form)
+        return TotalCost((*weighted, (transition, self.weights["transition"])))
 
     def misses(self, measures: Measures) -> dict[str, float]:
         """Give what a dance misses, by how much of the target: its length, an energy, its variety.
 
         A term of weight 0 is not asked for and cannot be missed.
         """
-        lambdas, have = self.weights, measures
-        asked = (
-            ("duration", 1.0, have.duration_s, self.duration_s, 1e-9),
-            ("linear energy", lambdas["linear"], have.linear_energy, self.linear_energy, ENERGY_HIT),
-            (
-                "rotational energy",
-                lambdas["rotational"],
-                have.rotational_energy,
-                self.rotational_energy,
-                ENERGY_HIT,
-            ),
-            (
-                "variety",
-                lambdas["variety"],
-                have.variety,
-                self.variety,
-                self.variety_tolerance / self.variety,
-            ),
-        )
-        return {
-            name: off
-            for name, weight, achieved, target, allowed in asked
-            if weight > 0.0 and (off := abs(achieved / target - 1.0)) > allowed
-        }
+        allowed = {"duration": 1e-9, "linear": ENERGY_HIT, "rotational": ENERGY_HIT}
+        missed = {}
+        for number, block in enumerate(self.blocks):
+            targets = {
+                "duration": block.duration_s,
+                "linear": block.linear_energy,
+                "rotational": block.rotational_energy,
+                "variety": block.variety,
+            }
+            of_block = f" of block {number + 1}" if len(self.blocks) > 1 else ""
+            for name, target in targets.items():
+                off = abs(measures.blocks[name][number] - target)
+                limit = allowed.get(name, math.nan) * target
+                if name == "variety":
+                    limit = self.variety_tolerance
+                if self.weights[name] > 0.0 and target > 0.0 and off > limit:
+                    missed[f"{_WORDS[name]}{of_block}"] = off / target
+        return missed
 
 
-def goals(protocol: StudyProtocol, library: DanceLibrary) -> dict[str, Goal]:
-    """Turn a protocol's words into numbers on a library: one goal a condition.
-
-    Targets of the preset "studykit" are percentiles and shares measured on the library; those of "paper" are
-    the published constants.
-    """
-    return {label: goal(protocol.dance, Condition.parse(label), library) for label in protocol.order.labels}
-
-
-def goal(plan: DancePlan, condition: Condition, library: DanceLibrary) -> Goal:
-    """Turn one condition into numbers; see `goals`.
-
-    Raises
-    ------
-    InputError
-        If the duration is not a multiple of 4 s.
-    """
-    is_finite = math.isfinite(plan.duration_s)
-    if not is_finite or plan.duration_s <= 0.0 or plan.duration_s % SEGMENT_S:
-        segments = max(1, round(plan.duration_s / SEGMENT_S)) if is_finite else CHAIN_SEGMENTS
-        raise InputError(
-            f"{plan.duration_s:g} s is not a multiple of {SEGMENT_S:g} s",
-            where="duration",
-            remedy=f"ask for {segments * SEGMENT_S:g} s",
-        )
-    preset = PRESETS[plan.preset]
-    weights = plan.weights.model_dump()
-    if condition.transition == "off":
-        weights["transition"] = 0.0
-    if plan.duration_s < 2 * SEGMENT_S:
-        weights["variety"] = 0.0  # one segment has nothing to differ from
-    linear, rotational, tolerances = _energies(plan, condition.intensity, library)
-    gap = _variety(plan, "hard", library) - _variety(plan, "easy", library)
-    cosine = preset.variety == "cosine"
-    return Goal(
-        condition=str(condition),
-        duration_s=plan.duration_s,
-        linear_energy=linear,
-        rotational_energy=rotational,
-        variety=_variety(plan, condition.variety, library),
-        linear_tolerance=tolerances[0],
-        rotational_tolerance=tolerances[1],
-        variety_tolerance=(
-            float(library.calibration.chain_cosine_varieties.std())
-            if cosine
-            else plan.variety.tolerance * gap
-        ),
-        transition_tolerance_m=(
-            _PAPER_TRANSITION_TOLERANCE_M
-            if preset.transition == "printed"
-            else library.calibration.transition_tolerance_m
-        ),
-        novelty=_novelty(plan, condition.variety, library),
-        weights=weights,
-        preset=preset,
-        targets_from=_targets_from(preset, library),
-    )
-
-
-def _targets_from(preset: Preset, library: DanceLibrary) -> TargetsFrom:
-    if preset.intensity == "absolute":
-        return "paper"
-    return "raters" if library.calibration.rated is not None else "percentiles"
-
-
-def _energies(
-    plan: DancePlan, level: Intensity, library: DanceLibrary
-) -> tuple[float, float, tuple[float, float]]:
-    if PRESETS[plan.preset].intensity == "absolute":
-        linear, rotational = (energy / DEFAULT_BODY_MASS_KG for energy in PAPER_ENERGIES[level])
-        spreads = (_PAPER_SPREADS[0] / DEFAULT_BODY_MASS_KG, _PAPER_SPREADS[1] / DEFAULT_BODY_MASS_KG)
-        return linear, rotational, spreads
-    percentile: float = getattr(plan.intensity, level)
-    linear, rotational = library.calibration.energies_of(level, percentile)
-    # Chains are 32 s long; a dance of another length asks for as much in each second.
-    scale = plan.duration_s / (CHAIN_SEGMENTS * SEGMENT_S)
-    return linear * scale, rotational * scale, (plan.intensity.tolerance, plan.intensity.tolerance)
-
-
-def _variety(plan: DancePlan, level: Variety, library: DanceLibrary) -> float:
-    if PRESETS[plan.preset].variety == "cosine":
-        return _PAPER_COSINES[level]
-    share: float = getattr(plan.variety, level)
-    return library.calibration.variety_of(level, share)
-
-
-def _novelty(plan: DancePlan, level: Variety, library: DanceLibrary) -> float | None:
-    """Choose how rarely segments come back, so that repetition alone gives the variety asked for.
-
-    In an urn of concentration c, two segments of a dance are the same with probability 1 / (1 + c). Where
-    dances without repetition are as alike as that (the 5th percentile of chains), nothing comes back.
-    """
-    if not PRESETS[plan.preset].copies:
-        return math.inf
-    calibration = library.calibration
-    share = _variety(plan, level, library) / calibration.median_distance
-    if share >= min(
-        1.0, float(np.percentile(calibration.chain_varieties, 5.0)) / calibration.median_distance
-    ):
-        return None
-    return share / (1.0 - share)
+_WORDS = {
+    "duration": "duration",
+    "linear": "linear energy",
+    "rotational": "rotational energy",
+    "variety": "variety",
+}

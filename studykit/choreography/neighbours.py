@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-
-from studykit.core.arrays import Floats
+from numpy.typing import NDArray
 
 COUNT = 32
 _TILE = 1024  # segments whose first poses stay in the cache of a core together
 
 
 def successors(
-    first_poses: Floats, last_poses: Floats, *, count: int = COUNT
+    first_poses: NDArray[np.floating[Any]], last_poses: NDArray[np.floating[Any]], *, count: int = COUNT
 ) -> np.ndarray[Any, np.dtype[np.int32]]:
     """Find, for every segment, the segments with the smallest displacement (Eq. 3) after it.
 

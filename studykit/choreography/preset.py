@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-from studykit.choreography.rjmcmc.schedule import Schedule
+from studykit.choreography.cost.block import Scale
+from studykit.choreography.cost.term import Form
+from studykit.choreography.rjmcmc.annealing import Annealing
 from studykit.motion.blending import Blend
 
 Metric = Literal["euclidean_z", "cosine"]
@@ -21,10 +23,13 @@ class Preset:
         What dances are marked with.
     variety : {"euclidean_z", "cosine"}
         Metric between segments: Eq. 5 as printed is "cosine".
-    transition : {"mean_of_costs", "printed"}
-        Form of Eq. 4.
+    form : {"mean_of_costs", "printed"}
+        How joins (Eq. 4) and blocks (Eq. 14) make one cost.
     intensity : {"log", "absolute"}
         Scale of Eq. 9 and 12.
+    masks_energies : bool
+        Whether spared joints do not count for the energies (Eq. 11). Otherwise the energy of the whole body
+        is as asked, and what spared joints do has a cost of its own.
     moves : {"anywhere", "at_end"}
         Where a new segment is inserted.
     acceptance : {"exact", "metropolis"}
@@ -32,12 +37,14 @@ class Preset:
     copies : bool
         Whether segments already in the dance are proposed again where the variety asked for needs repetition,
         and never where it does not.
-    schedule : Schedule
-        Temperatures and tolerances over the iterations.
-    chains : int
+    neighbour : float
+        Share of new segments that are drawn from those that begin much as the one before ends.
+    annealing, preview : Annealing
+        Temperatures and tolerances over the iterations; the same for a first look.
+    chains, preview_chains : int
         Searches from different beginnings, of which the best is taken.
-    reorders : bool
-        Whether the segments found are put into the best order at the end.
+    descends : bool
+        Whether each search ends with a descent: single segments and pairs are changed while that helps.
     blend : {"offset", "bridge"}
         How segments are joined; see `motion.blending.joined`.
     is_reached : bool
@@ -46,14 +53,18 @@ class Preset:
 
     name: str
     variety: Metric
-    transition: Literal["mean_of_costs", "printed"]
-    intensity: Literal["log", "absolute"]
+    form: Form
+    intensity: Scale
+    masks_energies: bool
     moves: Literal["anywhere", "at_end"]
     acceptance: Literal["exact", "metropolis"]
     copies: bool
-    schedule: Schedule
+    neighbour: float
+    annealing: Annealing = field(hash=False)
+    preview: Annealing = field(hash=False)
     chains: int
-    reorders: bool
+    preview_chains: int
+    descends: bool
     blend: Blend
     is_reached: bool
 
@@ -61,14 +72,18 @@ class Preset:
 STUDYKIT = Preset(
     name="studykit",
     variety="euclidean_z",
-    transition="mean_of_costs",
+    form="mean_of_costs",
     intensity="log",
+    masks_energies=False,
     moves="anywhere",
     acceptance="exact",
     copies=True,
-    schedule=Schedule.geometric(iterations=8_000, start=0.3, end=0.002, start_width=6.0),
+    neighbour=0.3,
+    annealing=Annealing.geometric(iterations=40_000, start=0.3, end=0.001, start_width=6.0),
+    preview=Annealing.geometric(iterations=10_000, start=0.3, end=0.001, start_width=6.0),
     chains=8,
-    reorders=True,
+    preview_chains=2,
+    descends=True,
     blend="offset",
     is_reached=True,
 )
@@ -77,14 +92,18 @@ STUDYKIT = Preset(
 PAPER = Preset(
     name="paper",
     variety="cosine",
-    transition="printed",
+    form="printed",
     intensity="absolute",
+    masks_energies=True,
     moves="at_end",
     acceptance="metropolis",
     copies=False,
-    schedule=Schedule.paper(),
+    neighbour=0.0,
+    annealing=Annealing.paper(),
+    preview=Annealing.paper(),
     chains=1,
-    reorders=False,
+    preview_chains=1,
+    descends=False,
     blend="bridge",
     is_reached=False,
 )

@@ -32,6 +32,8 @@ ROOM_M: Final = 0.02
 """A forearm keeps this far from the rest of the body, unless it came as near when it was danced."""
 LEAN: Final = 0.5
 """How differently the trunks may lean: as a chord, 0.5 is 29 degrees, so that arms hang and reach alike."""
+FREE_M: Final = 0.2
+"""A hand that comes nearer to the floor carries the body or picks something up: such an arm stays."""
 
 _SIDES: Final[tuple[Side, ...]] = ("left", "right")
 _TOUCH_M: Final = 0.005  # two touches this much alike are the same touch
@@ -91,8 +93,8 @@ def spliced(library: DanceLibrary, mask: JointMask, *, progress: Progress = sile
         turns_rad=np.zeros(len(library)),
     )
     for side in sides:
-        calm = good[:, arms[side]].all(axis=1)
-        hosts, donors = np.flatnonzero(hopeful & ~calm), np.flatnonzero(calm)
+        calm, free = good[:, arms[side]].all(axis=1), look[f"{side} height"] >= FREE_M
+        hosts, donors = np.flatnonzero(hopeful & free & ~calm), np.flatnonzero(calm & free)
         blocks = _blocks(len(hosts))
         for rows in progress(blocks, label=f"Trying {side} arms", total=len(blocks)):
             splice.donors[side][hosts[rows]] = _fitting(splice, look, hosts[rows], donors, side)
@@ -177,9 +179,10 @@ def _look(library: DanceLibrary, rows: Integers) -> dict[str, Any]:
         norm = np.linalg.norm(pulse, axis=1, keepdims=True)
         told[f"{side} pulse"] = pulse / np.maximum(norm, 1e-9)
         told[f"{side} room"] = clearance(positions, side).astype(np.float32)
+        told[f"{side} height"] = _height(positions, library.root_positions[rows], side)
     samples = np.sqrt(told["lean"].shape[1])
     for key, value in told.items():
-        if "room" not in key:
+        if "room" not in key and "height" not in key:
             flat = value.reshape(len(rows), -1).astype(np.float32)
             told[key] = flat if "pulse" in key else flat / (samples * np.sqrt(value[0, 0].size / 3))
     return told
@@ -217,7 +220,7 @@ def _apart(first: Any, second: Any) -> Any:
 
 
 def _is_plausible(splice: _Splice, look: dict[str, Any], hosts: Integers, side: Side) -> Booleans:
-    """Tell which segments have room for their new arm, and move in no way that is cut out of takes."""
+    """Tell which segments have room for their new arm, down to the floor, and nothing a take is cut for."""
     from studykit.motion.clearance import clearance
 
     positions = splice.positions(hosts)
@@ -228,7 +231,14 @@ def _is_plausible(splice: _Splice, look: dict[str, Any], hosts: Integers, side: 
         not cleaning.flagged(cleaning.excesses(one, still, FRAME_RATE_HZ), "robust").any()
         for one in positions
     ]
-    return np.asarray(roomy & np.array(clean))
+    high = _height(positions, splice.root_positions(hosts), side) >= FREE_M
+    return np.asarray(roomy & high & np.array(clean))
+
+
+def _height(positions: Floats, root_positions: Floats, side: Side) -> Floats:
+    """Give how near a hand comes to the floor, shape (segment,), m."""
+    hand = positions[:, :, NEUTRAL_BODY.index(f"{side}_hand"), 1]
+    return np.asarray((hand + root_positions[..., 1]).min(axis=1))
 
 
 class _Changed:

@@ -43,7 +43,7 @@ def choreograph(
     """
     from studykit.choreography import choreograph as all_dances
     from studykit.choreography.choreograph import dance
-    from studykit.choreography.goal import goal
+    from studykit.choreography.targets import goal
     from studykit.io.protocol_file import default_protocol, read_protocol
     from studykit.library import open_library
     from studykit.library.dance_file import write_dances

@@ -132,7 +132,7 @@ def print_info(library: Path) -> None:
 
 
 def _print_targets(facts: dict[str, Any]) -> None:
-    from studykit.choreography.goal import PAPER_ENERGIES, PAPER_VARIETIES
+    from studykit.choreography.targets import PAPER_ENERGIES, PAPER_VARIETIES
     from studykit.motion.body import DEFAULT_BODY_MASS_KG
 
     targets = facts["targets"]

@@ -101,6 +101,21 @@ class Weights(Part):
     rotational: float = Field(ge=0.0, description="to have the energy asked for, in turning the limbs")
 
 
+class SparePlan(Part):
+    """Joints that every dance of the study spares."""
+
+    joints: tuple[str, ...] = Field(
+        min_length=1, description='joints by name, such as "right_elbow"; all beyond them are spared too'
+    )
+    weight: float = Field(
+        ge=0.0, le=1.0, description="0 to 1: how much these joints may do, as a share (a of Eq. 11)"
+    )
+    speed_percentile: float = Field(
+        gt=0.0, le=100.0, description="they stay below this percentile of what they do in the library"
+    )
+    cost_weight: float = Field(ge=0.0, description="how much it counts that they do little")
+
+
 class DancePlan(Part):
     """What the dances aim at."""
 
@@ -113,6 +128,7 @@ class DancePlan(Part):
     intensity: IntensityTargets
     variety: VarietyTargets
     weights: Weights
+    spare: SparePlan | None = None
 
     @field_validator("duration_s")
     @classmethod
@@ -309,7 +325,7 @@ class StudyProtocol(Part):
     @property
     def sha256(self) -> str:
         """Digest of the content, the same for equal protocols however their files are laid out."""
-        return sha256_of_value(self.model_dump(mode="json"))
+        return sha256_of_value(self.model_dump(mode="json", exclude_none=True))
 
 
 def _refuse_disorder(low_name: str, low: float, high_name: str, high: float) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from studykit import figures
-from studykit.choreography.goal import goals
+from studykit.choreography.targets import goals
 from studykit.core.errors import InputError
 from studykit.core.seeding import stream
 from studykit.io.protocol_file import default_protocol, read_protocol
@@ -126,9 +126,9 @@ def _counted(library: DanceLibrary, column: str) -> list[dict[str, Any]]:
 def _aim(goal: Any) -> dict[str, Any]:
     return {
         "condition": goal.condition,
-        "linear": goal.linear_energy * DEFAULT_BODY_MASS_KG,
-        "rotational": goal.rotational_energy * DEFAULT_BODY_MASS_KG,
-        "variety": goal.variety,
+        "linear": goal.measures.linear_energy * DEFAULT_BODY_MASS_KG,
+        "rotational": goal.measures.rotational_energy * DEFAULT_BODY_MASS_KG,
+        "variety": goal.measures.variety,
     }
 
 

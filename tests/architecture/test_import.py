@@ -46,6 +46,10 @@ WIDGETS = tuple(f"studykit.widgets.{room}.widget" for room in ("browser", "playe
 COMPILED = (
     "studykit.choreography.neighbours",
     "studykit.choreography.rjmcmc.join_speed",
+    *(
+        f"studykit.choreography.rjmcmc.kernel.{room}"
+        for room in ("compiling", "moving", "running", "weighing")
+    ),
     "studykit.motion.clearance",
 )
 

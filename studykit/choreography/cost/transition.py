@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
-from studykit.choreography.cost.term import gaussian
+from studykit.choreography.cost.term import Form, together
 from studykit.choreography.measures import Measures
 
 
@@ -23,7 +22,7 @@ class TransitionCost:
     """
 
     tolerance_m: float
-    form: Literal["mean_of_costs", "printed"] = "mean_of_costs"
+    form: Form = "mean_of_costs"
     name: str = "transition"
 
     def cost(self, measures: Measures, *, width: float = 1.0) -> float:
@@ -31,7 +30,5 @@ class TransitionCost:
         jumps = measures.displacements_m
         if not jumps:
             return 0.0
-        tolerance = self.tolerance_m * width
-        if self.form == "printed":
-            return gaussian(sum(jump * jump for jump in jumps) ** 0.5, tolerance) / len(jumps)
-        return sum(gaussian(jump, tolerance) for jump in jumps) / len(jumps)
+        cost = together([jump / (self.tolerance_m * width) for jump in jumps], self.form)
+        return cost / len(jumps) if self.form == "printed" else cost

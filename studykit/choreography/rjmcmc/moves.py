@@ -1,98 +1,170 @@
-"""The three ways to change a dance, each with its exact odds."""
+"""The ways to change a dance, each with its exact odds, written to be read."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from itertools import chain, pairwise
+from typing import Literal
 
-import numpy as np
+from studykit.choreography.measures import Blocks
+from studykit.choreography.rjmcmc.repertoire import Repertoire
 
-from studykit.choreography.rjmcmc.sequence import DanceSequence, Repertoire
 
-
-@dataclass(frozen=True, slots=True)
-class Proposal:
-    """A changed dance.
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Move:
+    """One change of a dance.
 
     Parameters
     ----------
-    sequence : DanceSequence
-        The dance proposed.
+    kind : {"insert", "remove", "replace"}
+        What is done.
+    block, place : int
+        Where.
+    segment : int or None
+        The new segment.
     log_odds : float
         Log of how much likelier the way back is than the way there, times the ratio of the priors: what
         Green (1995) multiplies with the ratio of the targets.
     """
 
-    sequence: DanceSequence
+    kind: Literal["insert", "remove", "replace"]
+    block: int
+    place: int
+    segment: int | None
     log_odds: float
 
+    def made(self, now: Blocks) -> Blocks:
+        """Give the changed dance."""
+        old = now[self.block]
+        new = () if self.segment is None else (self.segment,)
+        rest = self.place if self.kind == "insert" else self.place + 1
+        block = (*old[: self.place], *new, *old[rest:])
+        return (*now[: self.block], block, *now[self.block + 1 :])
 
-class Move(Protocol):
-    """A way to change a dance."""
-
-    def propose(self, now: DanceSequence, rng: np.random.Generator) -> Proposal | None:
-        """Propose a changed dance, or None where the length would leave its bounds."""
-        ...
+    def joins(self, now: Blocks) -> tuple[tuple[int, int], ...]:
+        """Give the joins that the change makes, as segments before and after."""
+        at = sum(len(block) for block in now[: self.block]) + self.place
+        changed = tuple(pairwise(chain.from_iterable(self.made(now))))
+        first = max(at - 1, 0)
+        return changed[first : at if self.segment is None else at + 1]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class MoveSet:
+class Moves:
     """The paper's moves: add (40 %), replace (40 %), remove (20 %).
 
     Parameters
     ----------
     repertoire : Repertoire
         Where segments come from.
-    bounds : tuple of int
-        Fewest and most segments.
-    novelty : float or None
-        How often a new segment is any one of the library rather than a copy of one in the dance: with n
-        others, novelty / (novelty + n); infinite leaves repetition to chance. None never repeats a segment.
-    place : {"anywhere", "at_end"}
-        Where a segment is added.
-    add, remove : float
+    bounds : tuple of (int, int)
+        Fewest and most segments, block by block.
+    novelties : tuple of float or None
+        How often a new segment is any one of the library rather than a copy of one in its block: with n
+        others, novelty / (novelty + n); infinite leaves repetition to chance. None repeats no movement.
+    neighbour : float
+        Share of new segments drawn from the successors of the segment before.
+    at_end : bool
+        Whether segments are added at the end of a block only.
+    is_exact : bool
+        Whether the chain shall be reversible (Green 1995); otherwise odds are left out, as by Eq. 13 alone.
+    insert, remove : float
         How often each is tried, as shares of 1; what is left is for replacing.
 
     Notes
     -----
-    The prior over dances of n segments is the urn of Blackwell and MacQueen with concentration `novelty` (or
-    all dances without repetition), and new segments are drawn from its own conditional. The urn does not look
-    at the order, so a segment's share in the prior and the odds of proposing it cancel everywhere: what is
-    left of Green's ratio is the frequency of the moves.
+    The prior over the segments of a block is the urn of Blackwell and MacQueen with concentration `novelty`
+    (or all alike), lengths within their bounds are alike, and new segments come from the urn's own
+    conditional. The urn does not look at the order, so a segment's share in the prior and the odds of
+    proposing it cancel everywhere: what is left of Green's ratio is how often the moves are tried and, where
+    neighbours are proposed, how much likelier that makes a segment than the urn does.
     """
 
     repertoire: Repertoire
-    bounds: tuple[int, int]
-    novelty: float | None = math.inf
-    place: Literal["anywhere", "at_end"] = "anywhere"
-    add: float = 0.4
+    bounds: tuple[tuple[int, int], ...]
+    novelties: tuple[float | None, ...]
+    neighbour: float = 0.0
+    at_end: bool = False
+    is_exact: bool = True
+    insert: float = 0.4
     remove: float = 0.2
 
-    def propose(self, now: DanceSequence, rng: np.random.Generator) -> Proposal | None:
-        """Draw one of the three moves and make it."""
-        draw, count = rng.random(), len(now.segments)
-        if draw < self.add:
-            if count >= self.bounds[1]:
+    def proposed(self, now: Blocks, draws: Sequence[float]) -> Move | None:  # noqa: PLR0911
+        """Draw a change from five numbers between 0 and 1; None where it is not allowed."""
+        number, share = divmod(draws[1] * len(now), 1.0)
+        block = int(number)
+        count = len(now[block])
+        fewest, most = self.bounds[block]
+        if draws[0] < self.insert:
+            if count >= most:
                 return None
-            place = int(rng.integers(count + 1)) if self.place == "anywhere" else count
-            segment = self._segment(now.segments, rng)
-            # There: one of n + 1 places; back: one of n + 1 segments.
-            return Proposal(self.repertoire.inserted(now, place, segment), math.log(self.remove / self.add))
-        place = int(rng.integers(count))
-        if draw < self.add + self.remove:
-            if count <= self.bounds[0]:
+            place = count if self.at_end else int(share * (count + 1))
+            segment = self._drawn(now, block, place, now[block], draws)
+            if self._is_repetition(block, segment, now[block]):
                 return None
-            return Proposal(self.repertoire.removed(now, place), math.log(self.add / self.remove))
-        rest = now.segments[:place] + now.segments[place + 1 :]
-        return Proposal(self.repertoire.replaced(now, place, self._segment(rest, rng)), 0.0)
+            # There: one of n + 1 places; back: one of n + 1 segments; at the end there is one place only.
+            odds = math.log(self.remove / self.insert) - (math.log(count + 1.0) if self.at_end else 0.0)
+            odds -= self._log_density(now, block, place, now[block], segment)
+            return Move(kind="insert", block=block, place=place, segment=segment, log_odds=odds)
+        place = int(share * count)
+        old, rest = now[block][place], now[block][:place] + now[block][place + 1 :]
+        back = self._log_density(now, block, place, rest, old)
+        if draws[0] < self.insert + self.remove:
+            # What was not added at the end could not come back: an exact chain removes the last one only.
+            if count <= fewest or (self.at_end and self.is_exact and place < count - 1):
+                return None
+            odds = math.log(self.insert / self.remove) + (math.log(count) if self.at_end else 0.0)
+            return Move(kind="remove", block=block, place=place, segment=None, log_odds=odds + back)
+        segment = self._drawn(now, block, place, rest, draws)
+        if self._is_repetition(block, segment, rest):
+            return None
+        there = self._log_density(now, block, place, rest, segment)
+        return Move(kind="replace", block=block, place=place, segment=segment, log_odds=back - there)
 
-    def _segment(self, others: tuple[int, ...], rng: np.random.Generator) -> int:
-        """Draw a segment from the urn: a copy of one of the others, or any."""
-        if self.novelty is None:
-            while (segment := int(rng.integers(self.repertoire.size))) in others:
-                pass
-            return segment
-        if rng.random() * (1.0 + len(others) / self.novelty) >= 1.0:
-            return others[int(rng.integers(len(others)))]
-        return int(rng.integers(self.repertoire.size))
+    def _drawn(
+        self, now: Blocks, block: int, place: int, others: tuple[int, ...], draws: Sequence[float]
+    ) -> int:
+        """Draw a segment for a place: a successor of the one before, a copy of another, or any."""
+        source, which = draws[2], draws[3]
+        before = _before(now, block, place)
+        if before is not None:
+            if source < self.neighbour:
+                successors = self.repertoire.successors(before)
+                return int(successors[int(which * len(successors))])
+            source = (source - self.neighbour) / (1.0 - self.neighbour)
+        novelty = self.novelties[block]
+        if novelty is not None and source * (1.0 + len(others) / novelty) >= 1.0:
+            return others[int(which * len(others))]
+        return int(which * self.repertoire.size)
+
+    def _log_density(
+        self, now: Blocks, block: int, place: int, others: tuple[int, ...], segment: int
+    ) -> float:
+        """Give the log of how much likelier a segment is proposed at a place than the prior has it there."""
+        before = _before(now, block, place)
+        if self.neighbour <= 0.0 or before is None:
+            return 0.0
+        successors = self.repertoire.successors(before)
+        near = self.neighbour / len(successors) if segment in successors else 0.0
+        return math.log(1.0 - self.neighbour + near / self._prior(block, others, segment))
+
+    def _prior(self, block: int, others: tuple[int, ...], segment: int) -> float:
+        novelty = self.novelties[block]
+        if novelty is None or math.isinf(novelty):
+            return 1.0 / self.repertoire.size
+        new = novelty / self.repertoire.size
+        return (new + others.count(segment)) / (novelty + len(others))
+
+    def _is_repetition(self, block: int, segment: int, others: tuple[int, ...]) -> bool:
+        return self.novelties[block] is None and any(
+            self.repertoire.same_movement(segment, other) for other in others
+        )
+
+
+def _before(now: Blocks, block: int, place: int) -> int | None:
+    """Give the segment before a place."""
+    if place > 0:
+        return now[block][place - 1]
+    return now[block - 1][-1] if block > 0 else None

@@ -8,9 +8,13 @@ import numpy as np
 
 from studykit.core.arrays import Floats, frozen
 
+STOP_ITERATIONS = 50
+STOP_TEMPERATURE = 0.05
+"""The rule to stop is asked no earlier: a hot search betters its best so seldom that it would stop."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Schedule:
+class Annealing:
     """Temperature and width of the tolerances in each stage of a search.
 
     Parameters
@@ -43,7 +47,7 @@ class Schedule:
         return len(self.temperatures) * self.stage_iterations
 
     @classmethod
-    def geometric(cls, *, iterations: int, start: float, end: float, start_width: float) -> Schedule:
+    def geometric(cls, *, iterations: int, start: float, end: float, start_width: float) -> Annealing:
         """Cool by one factor a stage, in 100 stages; tolerances narrow likewise, until two thirds."""
         stages = 100
         progress = np.linspace(0.0, 1.0, stages)
@@ -54,7 +58,7 @@ class Schedule:
         )
 
     @classmethod
-    def paper(cls) -> Schedule:
+    def paper(cls) -> Annealing:
         """Cool as printed, by 0.01 every 1,000 iterations; stop when cold and 50 change the best by < 3 %."""
         temperatures = np.round(1.0 - 0.01 * np.arange(101), 2)
         return cls(temperatures=temperatures, widths=np.ones(101), stage_iterations=1000, stop_below=0.03)

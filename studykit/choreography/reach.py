@@ -1,0 +1,129 @@
+"""What a library can reach: whether a goal can be met at all, and if not, what comes nearest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from studykit.choreography.goal import Block, Goal
+from studykit.choreography.measures import Measures
+from studykit.choreography.rjmcmc.annealing import Annealing
+from studykit.choreography.rjmcmc.chain import Found, Search
+from studykit.choreography.rjmcmc.repertoire import Repertoire
+from studykit.core.errors import InputError
+from studykit.core.seeding import stream
+from studykit.motion.body import DEFAULT_BODY_MASS_KG
+
+_PROBE = Annealing.geometric(iterations=10_000, start=0.1, end=1e-4, start_width=1.0)
+_ENERGY_WIDTH, _VARIETY_WIDTH = 0.5, 20.0
+_CHAINS = 8
+
+
+class OutOfReachError(InputError):
+    """A goal that the library cannot meet.
+
+    Parameters
+    ----------
+    problem, remedy, where : str
+        See `InputError`.
+    nearest : Goal
+        The same goal with the nearest values that can be reached together.
+    """
+
+    def __init__(self, problem: str, *, remedy: str, where: str, nearest: Goal) -> None:
+        super().__init__(problem, remedy=remedy, where=where)
+        self.nearest = nearest
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        made = partial(
+            OutOfReachError, self.problem, remedy=self.remedy, where=self.where, nearest=self.nearest
+        )
+        return made, ()
+
+
+def nearest(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> Measures:
+    """Find the measures nearest to a goal that segments of a repertoire can have together.
+
+    Joins and further terms do not count, and tolerances are so wide that far is worse than near: what is
+    lowered is, in effect, the squared distance to the goal, with energies and variety reached jointly.
+    """
+    wide = replace(
+        goal,
+        linear_tolerance=goal.linear_tolerance * (_ENERGY_WIDTH / 0.1),
+        rotational_tolerance=goal.rotational_tolerance * (_ENERGY_WIDTH / 0.1),
+        variety_tolerance=goal.variety_tolerance * _VARIETY_WIDTH,
+        weights={**goal.weights, "transition": 0.0, "mask": 0.0},
+        terms=(),
+    )
+    search = Search(goal=wide, repertoire=repertoire, annealing=_PROBE)
+    best: Found | None = None
+    for chain in range(_CHAINS):
+        found = search.run(stream(seed, "reach", goal.condition, chain))
+        if best is None or _rank(goal, found) < _rank(goal, best):
+            best = found
+        if not goal.misses(best.measures):
+            break
+    assert best is not None  # noqa: S101  # there is a chain
+    return best.measures
+
+
+def _rank(goal: Goal, found: Found) -> tuple[int, float]:
+    return len(goal.misses(found.measures)), found.cost
+
+
+def require_reachable(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> None:
+    """Refuse a goal that no dance of a repertoire meets, before any dance is searched for.
+
+    Raises
+    ------
+    OutOfReachError
+        Says what is out of reach and what comes nearest.
+    """
+    found = nearest(goal, repertoire, seed=seed)
+    missed = goal.misses(found)
+    if not missed:
+        return
+    reachable = tuple(_reached(block, found, number) for number, block in enumerate(goal.blocks))
+    spared = f" with {goal.spared} spared" if goal.mask is not None else ""
+    values = "; ".join(map(_words, zip(reachable, goal.blocks, strict=True)))
+    raise OutOfReachError(
+        f"{len(repertoire.library)} segments cannot reach this{spared}: {', '.join(missed)} cannot be had "
+        f"together with the rest; nearest is {values}",
+        where=f"{repertoire.library.name}, {goal.condition}",
+        remedy="ask for that, for a less extreme dance, or add takes",
+        nearest=replace(goal, blocks=reachable),
+    )
+
+
+def _reached(block: Block, found: Measures, number: int) -> Block:
+    # A hair's breadth of room lets the search find it again while it also cares for the joins.
+    return replace(
+        block,
+        duration_s=found.blocks["duration"][number],
+        linear_energy=found.blocks["linear"][number],
+        rotational_energy=found.blocks["rotational"][number],
+        variety=found.blocks["variety"][number],
+    )
+
+
+def _words(pair: tuple[Block, Block]) -> str:
+    reached, asked = pair
+    mass = DEFAULT_BODY_MASS_KG
+    return (
+        f"linear energy {mass * reached.linear_energy:.1f} (asked {mass * asked.linear_energy:.1f}) J, "
+        f"rotational {mass * reached.rotational_energy:.1f} ({mass * asked.rotational_energy:.1f}) J, "
+        f"variety {reached.variety:.1f} ({asked.variety:.1f})"
+    )
+
+
+def variety_range(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> tuple[float, float]:
+    """Give the lowest and highest variety that dances of the energies asked for can have.
+
+    Variety depends on energy: still dances are alike, and few segments move much.
+    """
+    ends = []
+    for factor in (0.0, 3.0):
+        blocks = tuple(replace(block, variety=block.variety * factor + 1e-9) for block in goal.blocks)
+        ends.append(nearest(replace(goal, blocks=blocks), repertoire, seed=seed).variety)
+    return min(ends), max(ends)
