@@ -167,7 +167,7 @@ def _widen(axes: Axes) -> None:
     low, high = axes.get_xlim()
     middle = (low + high) / 2.0
     axes.set_xlim(min(low, 0.9 * middle), max(high, 1.1 * middle))
-    axes.locator_params(axis="x", nbins=5)
+    axes.locator_params(axis="x", nbins=4)
 
 
 def _draw_goal(axes: Axes, table: pd.DataFrame, goal: str, factor: float) -> None:

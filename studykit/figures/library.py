@@ -90,7 +90,8 @@ def variety_distribution(library: DanceLibrary, *, goals: Mapping[str, Goal] = _
     library : DanceLibrary
         Its calibration holds random chains, and windows of 32 s that were danced in one go.
     goals : mapping of str to Goal, optional
-        The goals of a protocol on this library; those that measure variety by the cosine are left out.
+        The goals of a protocol on this library; those that measure variety by the cosine, or ask for none
+        because a single segment has nothing to differ from, are left out.
 
     Raises
     ------
@@ -101,7 +102,7 @@ def variety_distribution(library: DanceLibrary, *, goals: Mapping[str, Goal] = _
     asked = {
         goal.condition.split("-")[1]: goal.measures.variety
         for goal in goals.values()
-        if goal.preset.variety == "euclidean_z"
+        if goal.preset.variety == "euclidean_z" and goal.measures.variety > 0.0
     }
     chains, windows = library.calibration.chain_varieties, library.calibration.window_varieties
     reach = [*chains, *windows, *PAPER_VARIETIES.values(), *asked.values()]

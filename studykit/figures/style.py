@@ -118,11 +118,11 @@ def words(condition: str, *, between: str = " – ") -> str:
 def title(dance: Dance) -> str:
     """Name a dance: its condition in words, and what it spares."""
     from studykit.figures.body import topmost
-    from studykit.protocol.condition import ALL_CONDITIONS
 
     name = dance.condition
-    if name in ALL_CONDITIONS:
-        name = f"{words(name)}, transition {name.rsplit('-', maxsplit=1)[1]}"
+    *parts, transition = name.split("-")
+    if parts and transition in ("on", "off"):
+        name = f"{' – '.join(part.capitalize() for part in parts)}, transition {transition}"
     if dance.mask is None:
         return name
     return f"{name}, sparing {' and '.join(topmost(dance.mask.spared))}"

@@ -8,6 +8,7 @@ import pytest
 
 from studykit.core.errors import InputError
 from studykit.figures import hit_rates, style
+from studykit.figures.canvas import PaperFigure
 from studykit.figures.hits import hits
 from studykit.protocol.condition import ALL_CONDITIONS
 
@@ -34,8 +35,12 @@ def searches() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def test_every_dance_is_a_dot_at_its_miss(searches: pd.DataFrame) -> None:
-    figure = hit_rates(searches)
+@pytest.fixture(scope="module")
+def figure(searches: pd.DataFrame) -> PaperFigure:
+    return hit_rates(searches)
+
+
+def test_every_dance_is_a_dot_at_its_miss(searches: pd.DataFrame, figure: PaperFigure) -> None:
     columns = ("linear_off", "rotational_off", "variety_off", "displacement_m", "distinct_segments")
     for axes, column, factor in zip(figure.axes, columns, (100.0, 100.0, 100.0, 1000.0, 1.0), strict=True):
         places = [c.get_offsets() for c in axes.collections if c.get_gid() == f"dances {column}"]
@@ -43,8 +48,8 @@ def test_every_dance_is_a_dot_at_its_miss(searches: pd.DataFrame) -> None:
         assert drawn == pytest.approx(np.sort(np.maximum(factor * searches[column].abs().to_numpy(), 0.01)))
 
 
-def test_medians_and_shares_are_those_of_condition_and_preset(searches: pd.DataFrame) -> None:
-    axes = hit_rates(searches).axes[0]
+def test_medians_and_shares_are_those_of_condition_and_preset(searches, figure: PaperFigure) -> None:
+    axes = figure.axes[0]
     medians = [float(c.get_offsets()[0, 0]) for c in axes.collections if c.get_gid() == "median"]
     shares = [text.get_text() for text in axes.texts if text.get_gid() == "share"]
     light_easy_on = searches[searches["condition"] == "light-easy-on"]
@@ -65,8 +70,8 @@ def test_a_dance_hits_when_it_misses_nothing() -> None:
     assert np.isnan(hits(dances.iloc[:0]))
 
 
-def test_the_legend_says_how_many_hit_all(searches: pd.DataFrame) -> None:
-    (legend,) = hit_rates(searches).legends
+def test_the_legend_says_how_many_hit_all(searches: pd.DataFrame, figure: PaperFigure) -> None:
+    (legend,) = figure.legends
     said = [text.get_text() for text in legend.get_texts()]
     for words, preset in zip(said, ("studykit", "paper"), strict=False):
         share = hits(searches[searches["preset"] == preset])
@@ -82,8 +87,8 @@ def test_what_was_not_tried_is_left_out(searches: pd.DataFrame) -> None:
 
 
 def test_hit_rates_say_what_is_made_up_and_what_is_missing(searches: pd.DataFrame) -> None:
-    assert hit_rates(searches, synthetic=True).get_suptitle() == style.SYNTHETIC
-    assert hit_rates(searches).get_suptitle() == ""
+    assert hit_rates(searches[:2], synthetic=True).get_suptitle() == style.SYNTHETIC
+    assert hit_rates(searches[:2]).get_suptitle() == ""
     with pytest.raises(InputError, match="no dance"):
         hit_rates(searches.iloc[:0])
     with pytest.raises(InputError, match="no column 'variety_off'"):

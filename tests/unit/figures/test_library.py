@@ -67,7 +67,10 @@ def test_goals_stand_where_they_are_asked_for_32_s(library, asked, small_protoco
 
 
 def test_variety_and_its_targets_are_distances(library, asked, small_protocol) -> None:
-    figure = variety_distribution(library, goals=asked)
+    longer = small_protocol.model_copy(
+        update={"dance": small_protocol.dance.model_copy(update={"duration_s": 8.0})}
+    )
+    figure = variety_distribution(library, goals=goals(longer, library))
     (axes,) = figure.axes
     easy = small_protocol.dance.variety.easy * library.calibration.median_distance
     assert line_at(axes, "goal easy") == pytest.approx(easy)
@@ -75,12 +78,14 @@ def test_variety_and_its_targets_are_distances(library, asked, small_protocol) -
     low, high = axes.get_xlim()
     assert low == 0.0
     assert high > 143.1
-    # A goal in the unit of the cosine has no place on an axis of distances.
+    # A goal in the unit of the cosine has no place on an axis of distances, and one of 4 s asks for none.
     cosine = {
-        name: replace(goal, preset=replace(goal.preset, variety="cosine")) for name, goal in asked.items()
+        name: replace(goal, preset=replace(goal.preset, variety="cosine"))
+        for name, goal in goals(longer, library).items()
     }
-    drawn = variety_distribution(library, goals=cosine).axes[0].lines
-    assert not [line for line in drawn if str(line.get_gid()).startswith("goal")]
+    for without in (cosine, asked):
+        drawn = variety_distribution(library, goals=without).axes[0].lines
+        assert not [line for line in drawn if str(line.get_gid()).startswith("goal")]
 
 
 def test_no_dance_leaves_the_outline(library, asked) -> None:
@@ -182,6 +187,7 @@ def test_an_empty_library_has_no_figure(draw: Callable[..., PaperFigure], librar
         segments=library.segments.iloc[:0],
         linear_energies=library.linear_energies[:0],
         rotational_energies=library.rotational_energies[:0],
+        successors=library.successors[:0],
     )
     with pytest.raises(InputError, match="made-up"):
         draw(nothing)
