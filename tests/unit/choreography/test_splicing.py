@@ -187,6 +187,21 @@ def test_an_arm_of_a_body_that_leans_another_way_is_not_taken(library, mask, tur
     assert len(rows_of(spliced(measured(library, rotation.exp(leaning)), mask))) == 0
 
 
+def test_an_arm_that_carries_the_body_is_neither_replaced_nor_taken(library, mask, new) -> None:
+    # Closer to the floor, hands reach it.
+    hands = np.array([kinematics.joint_positions(library.motion(row))[:, 23, 1].min() for row in range(24)])
+    sunk = np.array(library.root_positions)
+    row, donor = int(rows_of(new)[0]), donors_of(new)[0]
+    for lowered in (row, donor):
+        sunk[lowered, :, 1] -= hands[lowered] - 0.1
+    made = spliced(replace(library, root_positions=sunk), mask)
+    assert made.segments["spliced_from"][row] == ""
+    assert donor not in donors_of(made)
+    # Nor may a new arm reach where neither reached before.
+    heights = [kinematics.joint_positions(made.motion(int(low)))[:, 23, 1].min() for low in rows_of(made)]
+    assert min(heights) >= 0.2
+
+
 def calmed(turns: np.ndarray, host: int, donors: list[int]) -> np.ndarray:
     """Let donors do what a host does, but for its quick elbow."""
     turns = np.array(turns)
