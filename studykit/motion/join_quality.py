@@ -30,7 +30,7 @@ class JoinQuality(NamedTuple):
         See `join_accelerations`.
     sliding : float
         Mean speed over the floor of balls of the feet that are low, in the whole dance, as a multiple of the
-        same in the segments.
+        same in the segments; NaN where none are low.
     join_sliding : float
         The same about the joins alone, ten frames on each side.
     linear_energy, rotational_energy : float
@@ -58,12 +58,12 @@ def join_quality(segments: Sequence[Motion], motion: Motion) -> JoinQuality:
     near = np.zeros(len(motion) - 1, dtype=bool)
     for join in joins:
         near[join - REACH - 1 : join + REACH] = True
-    slides, own = _slides(motion), np.concatenate([s[~np.isnan(s)] for s in map(_slides, segments)]).mean()
+    slides, own = _slides(motion), _mean(np.concatenate([_slides(segment) for segment in segments]))
     before, after = np.sum([_energies(s) for s in segments], axis=0), _energies(motion)
     return JoinQuality(
         accelerations=join_accelerations(motion, joins),
-        sliding=float(np.nanmean(slides) / own),
-        join_sliding=float(np.nanmean(slides[near]) / own) if near.any() else 1.0,
+        sliding=_mean(slides) / own,
+        join_sliding=_mean(slides[near]) / own,
         linear_energy=float(after[0] / before[0]),
         rotational_energy=float(after[1] / before[1]),
     )
@@ -72,8 +72,8 @@ def join_quality(segments: Sequence[Motion], motion: Motion) -> JoinQuality:
 def join_accelerations(motion: Motion, joins: Sequence[int]) -> Floats:
     """Give the hardest jolt at each join, shape (join,), m/s^2.
 
-    The largest acceleration from the pelvis of any joint, by second differences, over the thirteen frames
-    that feel the blend: from seven before the join to five after it.
+    The largest acceleration of any joint, seen from the pelvis, by second differences, over the twelve frames
+    whose acceleration the blend changes.
 
     Parameters
     ----------
@@ -82,14 +82,14 @@ def join_accelerations(motion: Motion, joins: Sequence[int]) -> Floats:
     """
     hardest = _accelerations(motion).max(axis=1)
     # Row n is the acceleration at frame n + 1.
-    windows = [hardest[join - HALF_WINDOW - 3 : join + HALF_WINDOW] for join in joins]
+    windows = [hardest[join - HALF_WINDOW - 2 : join + HALF_WINDOW] for join in joins]
     return np.array([window.max() for window in windows])
 
 
 def usual_acceleration(segments: Sequence[Motion]) -> float:
     """Give what joints of these dancers stay below in 99.9 % of all cases, m/s^2.
 
-    About 7 % of all stretches of thirteen frames go beyond it somewhere.
+    About 7 % of all stretches of twelve frames go beyond it somewhere.
     """
     return float(np.percentile(np.concatenate([_accelerations(s) for s in segments]), _USUAL_PERCENTILE))
 
@@ -109,6 +109,11 @@ def _slides(motion: Motion) -> Floats:
     speeds = np.linalg.norm(np.diff(balls[..., [0, 2]], axis=0), axis=-1) * motion.frame_rate_hz
     low: Booleans = np.less(balls[..., 1], LOW_M)
     return np.where(low[1:] & low[:-1], speeds, np.nan)
+
+
+def _mean(slides: Floats) -> float:
+    seen = slides[~np.isnan(slides)]
+    return float(seen.mean()) if len(seen) else float("nan")
 
 
 def _energies(motion: Motion) -> Floats:

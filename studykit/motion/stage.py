@@ -9,7 +9,7 @@ from studykit.core.arrays import Booleans, Floats
 _STANDING = 100.0  # how much sliding matters while a foot stands, against while none does
 _INERTIA = 30.0  # frames^2: how much changes of the added speed matter
 _HELD = 1e7
-_ROUNDS = 60
+_ROUNDS = 400
 
 
 def excess_m(root_positions: Floats, stage_m: tuple[float, float]) -> float:
@@ -62,16 +62,18 @@ def _offset(way: Floats, reach: float, stands: Booleans) -> Floats:
     matrix[0, 0] += _HELD  # the first frame stays
     bound = np.zeros(len(way))  # -1 where the way is held at its lower bound, 1 at the upper one
     offset = np.zeros(len(way))
-    for _ in range(_ROUNDS):
+    for number in range(_ROUNDS):
         at_bound = bound != 0.0
         force = _HELD * np.where(at_bound, bound * reach - way, 0.0)
         held = matrix.copy()
         held[0] += _HELD * at_bound
         offset = solveh_banded(held, force, lower=True)
         # Held frames stay held while the bound pushes inwards, free ones are held once they are outside.
-        push = _HELD * np.where(at_bound, offset + way - bound * reach, 0.0)
+        # Should that go in circles, none is let go any more: then it ends, each frame inside.
+        push = np.where(at_bound, offset + way - bound * reach, 0.0)
         outside = np.sign(offset + way) * (np.abs(offset + way) > reach + 1e-6)
-        new = np.where(at_bound, bound * (push * bound > 0.0), outside)
+        is_pushed = (push * bound > 0.0) | (number > _ROUNDS // 2)
+        new = np.where(at_bound, bound * is_pushed, outside)
         if np.array_equal(new, bound):
             break
         bound = new
