@@ -174,8 +174,10 @@ def _draw_goal(axes: Axes, table: pd.DataFrame, goal: str, factor: float) -> Non
     rows = np.arange(len(table))
     style.rule(axes, at="x")
     asked, achieved, shown = (factor * table[f"{goal}_{kind}"].to_numpy(float) for kind in _KINDS)
-    axes.vlines(asked, rows - 0.38, rows + 0.38, color=style.INK, linewidth=1.4, zorder=2)
-    axes.scatter(shown, rows, s=26.0, facecolor="none", edgecolor=style.INK, linewidths=0.6, zorder=4)
+    axes.vlines(asked, rows - 0.38, rows + 0.38, color=style.INK, linewidth=1.4, zorder=2, gid="asked")
+    axes.scatter(
+        shown, rows, s=26.0, facecolor="none", edgecolor=style.INK, linewidths=0.6, zorder=4, gid="shown"
+    )
     for row, name in enumerate(table["condition"]):
         axes.scatter(
             achieved[row],

@@ -141,8 +141,12 @@ def _draw_annealing(axes: Axes, iterations: Integers, dance: Dance) -> None:
 
 
 def _draw_acceptance(axes: Axes, iterations: Integers, dance: Dance) -> None:
-    looks: dict[str, tuple[str, Any]] = {"accepted": (style.INK, "-")}
-    looks |= dict(zip(("inserted", "removed", "replaced"), _LINES, strict=False))
+    looks: dict[str, tuple[str, Any]] = {
+        "accepted": (style.INK, "-"),
+        "inserted": (_LINES[0][0], _DASHES),
+        "removed": (_LINES[1][0], (0, (1, 1))),
+        "replaced": (_LINES[2][0], "-"),
+    }
     for name, (colour, dashes) in looks.items():
         # A stage in which no such move was tried has no share.
         values = 100.0 * np.array([getattr(row, name) for row in dance.trace], dtype=np.float64)

@@ -114,7 +114,7 @@ def made_dance() -> Callable[..., Dance]:
 
     def make(letters: str = "ABAb", *, blocks: int = 1, **changes: Any) -> Dance:
         motion = _danced(letters)
-        (achieved,) = measured(motion, (80.0,), (len(letters),))
+        (shown,) = measured(motion, (80.0,), (len(letters),))
         varieties = tuple(80.0 + 5.0 * block for block in range(blocks))
         parts = measured(motion, varieties, (len(letters) // blocks,) * blocks)
         values: dict[str, Any] = {
@@ -130,9 +130,9 @@ def made_dance() -> Callable[..., Dance]:
                 for letter in letters
             ),
             "motion": motion,
-            "asked": _asked(achieved),
-            "achieved": achieved,
-            "achieved_blended": achieved,
+            "asked": _scaled(shown, 0.8, 1.25, 1.0 / 1.02),
+            "achieved": _scaled(shown, 0.9, 1.1, 1.0),
+            "achieved_blended": shown,
             "cost_total": 0.2,
             "cost_terms": {"linear": 0.1, "variety": 0.05},
             "displacements_m": tuple(0.1 + 0.01 * join for join in range(len(letters) - 1)),
@@ -149,7 +149,12 @@ def made_dance() -> Callable[..., Dance]:
             "is_synthetic": True,
             "weights": {"linear": 1.0, "variety": 2.0, "unwanted": 0.0},
             "blocks": tuple(
-                DanceBlock(asked=_asked(part), achieved=part, achieved_blended=part) for part in parts
+                DanceBlock(
+                    asked=_scaled(part, 0.8, 1.25, 1.0 / 1.02),
+                    achieved=_scaled(part, 0.9, 1.1, 1.0),
+                    achieved_blended=part,
+                )
+                for part in parts
             ),
             "mask": None,
             "chain_costs": (0.2, 0.3, 0.25),
@@ -177,10 +182,10 @@ def _danced(letters: str) -> Motion:
     )
 
 
-def _asked(achieved: DanceMeasures) -> DanceMeasures:
+def _scaled(measures: DanceMeasures, linear: float, rotational: float, variety: float) -> DanceMeasures:
     return DanceMeasures(
-        duration_s=achieved.duration_s,
-        linear_energy=achieved.linear_energy / 1.25,
-        rotational_energy=achieved.rotational_energy / 0.8,
-        variety=achieved.variety / 1.02,
+        duration_s=measures.duration_s,
+        linear_energy=linear * measures.linear_energy,
+        rotational_energy=rotational * measures.rotational_energy,
+        variety=variety * measures.variety,
     )

@@ -21,6 +21,8 @@ LEFT, RIGHT = JOINT_NAMES.index("left_elbow"), JOINT_NAMES.index("right_elbow")
 def colours(axes: Axes, layer: int) -> dict[int, str]:
     """Give the colour of each joint: of its rim (layer 0) or itself (layer 1)."""
     drawn = axes.collections[layer].get_colors()
+    starts = [half[0] for half in axes.collections[layer].get_segments()]
+    assert np.allclose(starts, body.standing()[JOINTS])  # each half of a bone begins at its joint
     return {joint: to_hex(colour) for joint, colour in zip(JOINTS, drawn, strict=True)}
 
 
