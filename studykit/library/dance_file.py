@@ -94,11 +94,10 @@ def _joints(dance: Dance) -> str:
 
 def _avatar(dance: Dance) -> bytes:
     """Write the avatar, with what a stranger must know who finds the file alone."""
-    mask = getattr(dance, "mask", None)
     return glb(
         dance.motion,
         name=dance.condition,
-        spared=mask.spared if mask else (),
+        spared=dance.mask.spared if dance.mask else (),
         extras={
             "condition": dance.condition,
             "is_synthetic": dance.is_synthetic,

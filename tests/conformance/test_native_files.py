@@ -634,6 +634,7 @@ def test_a_zip_bomb_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 def test_our_own_dances_are_read_back(tmp_path: Path) -> None:
     class Dance:
         condition, seed, sha256, is_synthetic, segments = "light-easy-on", 1, "0" * 64, True, ()
+        mask = None
 
         def __init__(self, motion: Motion) -> None:
             self.motion = motion

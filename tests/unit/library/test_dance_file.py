@@ -1,4 +1,4 @@
-"""Dances are written for three kinds of readers and read back as they were."""
+"""Dances are written for all kinds of readers and read back as they were."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ import pytest
 
 from studykit.choreography.choreograph import dance
 from studykit.choreography.dance import Dance
-from studykit.choreography.goal import goal
 from studykit.choreography.preset import STUDYKIT
-from studykit.choreography.rjmcmc.schedule import Schedule
+from studykit.choreography.targets import goal
 from studykit.core.durable import put
 from studykit.core.errors import InputError
 from studykit.io.bvh import read_bvh
@@ -22,6 +21,7 @@ from studykit.io.skeleton_map import to_smpl
 from studykit.library import read_dances, write_dances
 from studykit.library.dance_file import read_dance
 from studykit.motion import kinematics, rotation
+from studykit.motion.joint_mask import spare
 from studykit.motion.skeleton import NEUTRAL_PELVIS
 from studykit.protocol.condition import Condition
 
@@ -30,23 +30,15 @@ PROTOCOL = Path(__file__).parents[3] / "protocols" / "dance-2x2x2.toml"
 
 @pytest.fixture(scope="module")
 def made(made_library) -> Dance:
-    """Give a dance of 32 s that a short search finds: targets that any library reaches."""
+    """Give a first look at a dance of 32 s that spares the right elbow, near its targets or not."""
+    plan = read_protocol(PROTOCOL).dance
     library = made_library(12)
-    asked = goal(read_protocol(PROTOCOL).dance, Condition.parse("light-easy-on"), library)
-    energies = 8.0 * np.array(
-        [library.linear_energies.sum(axis=1).mean(), library.rotational_energies.sum(axis=1).mean()]
-    )
-    quick = replace(
-        STUDYKIT, schedule=Schedule.geometric(iterations=2000, start=0.3, end=0.002, start_width=6.0)
-    )
     asked = replace(
-        asked,
-        linear_energy=energies[0],
-        rotational_energy=energies[1],
-        weights=asked.weights | {"variety": 0.0},
-        preset=quick,
+        goal(plan, Condition.parse("light-easy-on"), library),
+        preset=replace(STUDYKIT, is_reached=False),
+        mask=spare("right_elbow", weights=0.5),
     )
-    return dance(asked, library, seed=3)
+    return dance(asked, library, seed=3, is_preview=True)
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +82,12 @@ def test_the_avatar_says_where_it_comes_from(made, folder: Path) -> None:
         "sha256": made.sha256,
     }
     assert document["animations"][0]["name"] == "light-easy-on"
+    assert [material["name"] for material in document["materials"]] == [
+        "middle",
+        "left",
+        "right",
+        "right spared",
+    ]
     assert sum(path.stat().st_size for path in folder.iterdir()) < 4_000_000
 
 
@@ -140,9 +138,11 @@ def test_the_json_holds_every_number(made, folder: Path) -> None:
     assert said["condition"] == "light-easy-on"
     assert said["is_synthetic"] is True
     assert set(said["asked"]) == set(said["achieved"]) == set(said["achieved_blended"])
-    assert set(said["cost"]["terms"]) == {"duration", "transition", "variety", "linear", "rotational"}
+    terms = {"duration", "transition", "variety", "linear", "rotational", "mask"}
+    assert set(said["cost"]["terms"]) == set(said["cost"]["weights"]) == terms
+    assert list(said["spared"]) == ["right_elbow", "right_wrist", "right_hand"]
     assert len(said["segments"]) == 8
-    assert set(said["segments"][0]) == {"id", "take", "start_s", "mirrored", "licence"}
+    assert set(said["segments"][0]) == {"id", "take", "start_s", "mirrored", "licence", "spliced_from"}
     assert [join["displacement_m"] for join in said["joins"]] == list(made.displacements_m)
     assert len(said["joints"]) == 24
     elbow = said["joints"]["right_elbow"]
