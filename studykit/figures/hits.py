@@ -158,7 +158,7 @@ def _finish(figure: Figure, conditions: Sequence[str]) -> None:
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.xaxis.set_minor_formatter(NullFormatter())
         else:
-            axes.set_xlim(0.0, axes.dataLim.xmax * 1.08)
+            axes.set_xlim(0.0, axes.dataLim.xmax * 1.2)
 
 
 def _explain(
