@@ -128,9 +128,9 @@ class Notebook:
         state = json.loads(path.read_text()) if path.exists() else {}
         return state.get(wanted)
 
-    def wait_for(self, name: str, is_right: Callable[[Any], bool]) -> Any:
+    def wait_for(self, name: str, is_right: Callable[[Any], bool], *, patience_s: float = 30.0) -> Any:
         """Wait until the kernel holds a value that is right."""
-        for _ in range(100):
+        for _ in range(round(patience_s / 0.05)):
             value = self.python(name)
             if value is not None and is_right(value):
                 return value

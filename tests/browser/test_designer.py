@@ -7,6 +7,9 @@ from typing import Any
 
 import pytest
 
+from studykit.library import make_sample
+from studykit.widgets import dance_designer
+
 pytestmark = pytest.mark.browser
 
 HOSTILE = "<img src=x onerror=document.title='broken'>"
@@ -20,7 +23,7 @@ library = open_library("library")
 segments = library.segments.copy()
 segments["take"] = {HOSTILE!r}
 library = replace(library, segments=segments, name={HOSTILE!r})
-designer = dance_designer(library)
+designer = dance_designer(library, intensity=50.0)
 watch(
     designer, "intensity", "variety", "seed", "found", "obstacle", "blocks", "status", "can_undo",
     "weights", "is_playing", "is_mirrored",
@@ -29,6 +32,21 @@ watch(
 )
 designer
 """
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Search once here, so that no browser waits while the search is compiled for the first time."""
+    library = make_sample(tmp_path_factory.mktemp("compiled") / "library", segments=40, seed=1)
+    dance_designer(library)
+    dance_designer(library, weights={"right_elbow": 0.5})
+
+
+def picture(notebook: Any, name: str) -> None:
+    """Keep a picture of all of the designer, which is higher than most screens."""
+    notebook.page.set_viewport_size({"width": 1280, "height": 1500})
+    notebook.page.wait_for_timeout(300)
+    notebook.picture(name)
 
 
 def slide(notebook: Any, label: str, value: float) -> None:
@@ -51,12 +69,12 @@ def test_a_slider_searches_a_preview_and_the_button_the_dance(open_notebook: Cal
         arg=f"{asked:.1f} J asked",
     )
     page.get_by_role("button", name="Find this dance").click()
-    notebook.wait_for("found", lambda found: found == "dance")
+    notebook.wait_for("found", lambda found: found == "dance", patience_s=120.0)
     page.wait_for_function("() => document.querySelectorAll('.sk-measures .sk-hit').length === 4")
     assert page.locator(".sk-chip").count() == 8
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         notebook.dress(theme)
-        notebook.picture(f"designer-{theme.split()[1].lower()}")
+        picture(notebook, f"designer-{theme.split()[1].lower()}")
 
 
 def test_sparing_a_joint_asks_for_another_dance_and_reports_on_it(open_notebook: Callable[..., Any]) -> None:
@@ -71,8 +89,8 @@ def test_sparing_a_joint_asks_for_another_dance_and_reports_on_it(open_notebook:
         "() => document.querySelector('[data-joint=right_elbow]').ariaLabel.includes('up to')"
     )
     page.get_by_role("button", name="Find this dance").click()
-    notebook.wait_for("found", lambda found: found == "dance")
-    notebook.picture("designer-spared")
+    notebook.wait_for("found", lambda found: found == "dance", patience_s=120.0)
+    picture(notebook, "designer-spared")
     page.get_by_role("button", name="Undo").first.click()
     notebook.wait_for("weights", lambda weights: weights == {"right_elbow": 0.5})
 
@@ -85,7 +103,7 @@ def test_out_of_reach_offers_what_can_be_reached(open_notebook: Callable[..., An
     page.wait_for_function("() => !document.querySelector('.sk-obstacle').hidden")
     assert obstacle["sentence"] in page.locator(".sk-obstacle").inner_text()
     assert notebook.python("found") == ""
-    notebook.picture("designer-out-of-reach")
+    picture(notebook, "designer-out-of-reach")
     page.get_by_role("button", name="Use these").click()
     notebook.wait_for("found", lambda found: found == "preview")
     assert notebook.python("obstacle") == {}

@@ -198,7 +198,7 @@ def _tried(deed: Callable[[], Made]) -> Made | Obstacle:
     try:
         return deed()
     except OutOfReachError as error:
-        return Obstacle(sentence=str(error), nearest=error.nearest)
+        return Obstacle(sentence=f"{error.problem}; {error.remedy}.", nearest=error.nearest)
     except InputError as error:
         return Obstacle(sentence=str(error))
 

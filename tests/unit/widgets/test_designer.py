@@ -178,13 +178,16 @@ def test_out_of_reach_is_said_and_nothing_plays(library: DanceLibrary, source: S
     designer = dance_designer(library, source=source)
     designer.intensity = 99.0
     assert designer.obstacle == {
-        "sentence": "intensity: no dance is as intense; ask for 90.",
+        "sentence": "no dance is as intense; ask for 90.",
         "has_offer": True,
     }
     assert (designer.found, designer.dance, designer.goal, len(designer.positions)) == ("", None, None, 0)
     assert designer.blocks == []
     designer.intensity = 0.0
-    assert not designer.obstacle["has_offer"]
+    assert designer.obstacle == {
+        "sentence": "intensity: no dance is as still; ask for 10.",
+        "has_offer": False,
+    }
     designer.intensity = 50.0
     assert designer.obstacle == {}
     assert designer.found == "preview"

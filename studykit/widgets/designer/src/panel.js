@@ -15,6 +15,7 @@ export class DesignerPanel {
     this.map = new BodyMap(model, signal);
     this.map.changes.hidden = true; // one undo for everything
     this.status = element("p", { class: "sk-status", role: "status" });
+    this.echo = element("span", { class: "sk-count", "aria-hidden": "true" }); // beside the map, far below the first
     this.obstacle = element("div", { class: "sk-obstacle", role: "alert" });
     hear(model, signal, ["status", "is_searching"], () => this.say());
     hear(model, signal, ["obstacle"], () => this.drawObstacle());
@@ -32,13 +33,14 @@ export class DesignerPanel {
         element("div", { class: "sk-left" }, this.form.element, this.status, this.obstacle, this.outcome.measures),
         element("div", { class: "sk-right" }, picture, this.outcome.segments),
       ),
-      element("h4", { class: "sk-part" }, "Joints to spare"),
+      element("div", { class: "sk-head" }, element("h4", { class: "sk-part" }, "Joints to spare"), this.echo),
       this.map.element,
     ];
   }
 
   say() {
     this.status.textContent = this.model.get("is_searching") ? "Searching …" : this.model.get("status");
+    this.echo.textContent = this.status.textContent;
   }
 
   drawObstacle() {
