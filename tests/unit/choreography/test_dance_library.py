@@ -10,7 +10,9 @@ import pytest
 
 from studykit.choreography import dance_library
 from studykit.choreography.dance_library import SegmentDistances, mean_of_pairs, require_segments
+from studykit.choreography.reduction import reduced
 from studykit.core.errors import InputError
+from studykit.core.seeding import stream
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +54,25 @@ def test_cosine_distances_weigh_both_blocks_alike(library, measured) -> None:
 def test_a_repeated_segment_is_no_different_from_itself(measured, metric) -> None:
     distances = measured(metric)
     assert distances.between([2, 2], [2, 3])[0, 0] == 0.0
-    total = distances.total(1, (1, 1, 4))
-    assert total == pytest.approx(distances.between([1], [4])[0, 0])
+    assert distances.guide(2, 2) == 0.0
+    exact = distances.exact([1, 1, 4])
+    assert exact[0, 1] == exact[1, 0] == exact[2, 2] == 0.0
+    assert exact[0, 2] == exact[2, 1] == pytest.approx(distances.between([1], [4])[0, 0], rel=1e-4)
+    assert distances.guide(1, 4) == pytest.approx(exact[0, 2], rel=1e-4)
+
+
+def test_a_large_library_is_searched_by_reduced_distances_and_judged_by_exact_ones(
+    library, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dance_library, "DENSE_LIMIT", 0)
+    exact = SegmentDistances(library, "euclidean_z").exact([0, 3])[0, 1]
+    large = replace(library, reduced=reduced(library, stream(1, "axes"), dimensions=2))
+    found = SegmentDistances(large, "euclidean_z")
+    assert found.is_reduced
+    assert found.table is None
+    assert found.guide(0, 3) == large.reduced.between(0, 3)[0, 0] != exact
+    assert found.exact([0, 3])[0, 1] == exact
+    assert not SegmentDistances(large, "cosine").is_reduced
 
 
 def test_the_mean_over_pairs() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from studykit.choreography.dance_library import distances
-from studykit.choreography.goal import goals
+from studykit.choreography.targets import goals
 from studykit.core.errors import InputError
 from studykit.core.seeding import stream
 from studykit.io.protocol_file import default_protocol, read_protocol
@@ -184,9 +184,9 @@ def test_raters_go_before_percentiles(built_folder: Path, tmp_path: Path) -> Non
     assert library.calibration.energies_of("intense", 75.0) == (2.0, 0.6)
     assert library.calibration.variety_of("hard", 0.94) == 150.0
     goal = goals(read_protocol(default_protocol()), library)["intense-hard-on"]
-    scale = goal.duration_s / 32.0
-    assert (goal.linear_energy, goal.rotational_energy) == pytest.approx((2.0 * scale, 0.6 * scale))
-    assert goal.variety == 150.0
+    scale, aim = goal.duration_s / 32.0, goal.measures
+    assert (aim.linear_energy, aim.rotational_energy) == pytest.approx((2.0 * scale, 0.6 * scale))
+    assert aim.variety == 150.0
     index.adopt(copy, None)
     assert open_library(copy).sha256 == before.sha256
     assert open_library(copy).calibration.rated is None
