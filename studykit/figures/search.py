@@ -43,10 +43,11 @@ def search_trace(dance: Dance) -> PaperFigure:
     Returns
     -------
     PaperFigure
-        Over iterations: the cost and the best so far, beside the best of every chain; every term times its
-        weight, at its final tolerance; temperature and width of tolerances; number of segments; share of
-        moves accepted. The cost of the moment is that at the width of the moment. On logarithmic axes, what
-        lies more than four decades below the highest stands at the lower edge.
+        Over iterations: the cost and the best so far, beside the best of every chain and the cost of this
+        dance; every term times its weight, at its final tolerance; temperature and width of tolerances;
+        number of segments; share of moves accepted. The cost of the moment is that at the width of the
+        moment. On logarithmic axes, what lies more than four decades below the highest stands at the lower
+        edge.
 
     Raises
     ------
@@ -93,28 +94,28 @@ def search_trace(dance: Dance) -> PaperFigure:
 def _draw_costs(axes: Axes, iterations: Integers, dance: Dance) -> None:
     for name, words, colour, width in (
         ("cost", "now", style.FAINT, 0.8),
-        ("best_cost", "best so far", style.INK, 1.3),
+        ("best_cost", "best", style.INK, 1.3),
     ):
         costs = [getattr(row, name) for row in dance.trace]
         axes.plot(iterations, costs, color=colour, linewidth=width, label=words, gid=name)
-    chains = np.array(dance.chain_costs)
+    beside: dict[str, Any] = {
+        "transform": axes.get_yaxis_transform(),
+        "clip_on": False,
+        "linestyle": "",
+        "markersize": 3.0,
+    }
+    chains = dance.chain_costs
     axes.plot(
-        np.full(len(chains), 1.05),
-        chains,
-        linestyle="",
-        marker="o",
-        color=style.INTENSITY["intense"],
-        markersize=3.0,
-        markeredgewidth=0.0,
-        alpha=0.6,
-        transform=axes.get_yaxis_transform(),
-        clip_on=False,
-        label=f"each of {len(chains)} chains",
-        gid="chains",
-    )
+        np.full(len(chains), 1.05), chains, marker="o", color=style.INTENSITY["intense"], alpha=0.6,
+        label=f"{len(chains)} chains", gid="chains", **beside,
+    )  # fmt: skip
+    axes.plot(
+        [1.05], [dance.cost_total], marker="D", color=style.INK, fillstyle="none", markeredgewidth=0.7,
+        label="this dance", gid="found", **beside,
+    )  # fmt: skip
     axes.set_ylabel("Cost (Eq. 1)")
     _make_logarithmic(axes)
-    _name_lines(axes)
+    _name_lines(axes, columns=4)
 
 
 def _draw_terms(axes: Axes, iterations: Integers, terms: Mapping[str, Floats]) -> None:
@@ -165,8 +166,8 @@ def _name_lines(axes: Axes, *, columns: int = 3) -> None:
         loc="lower left",
         bbox_to_anchor=(0.0, 0.98),
         ncols=columns,
-        columnspacing=1.0,
-        handlelength=1.6,
+        columnspacing=0.8,
+        handlelength=1.4,
         borderpad=0.0,
         borderaxespad=0.2,
     )

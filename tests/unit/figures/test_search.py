@@ -27,6 +27,7 @@ def test_lines_are_the_trace(made_dance) -> None:
     assert drawn(accepted)["inserted"][1:3] == pytest.approx([np.nan, 10.0], nan_ok=True)
     assert "removed" not in drawn(accepted)  # never tried
     assert shown["chains"] == pytest.approx(dance.chain_costs)
+    assert shown["found"] == pytest.approx([dance.cost_total])
     assert costs.lines[0].get_xdata() == pytest.approx([row.iteration for row in dance.trace])
     assert costs.get_yscale() == terms.get_yscale() == annealing.get_yscale() == "log"
 
@@ -58,7 +59,7 @@ def test_a_cost_without_bounds_is_left_out(made_dance) -> None:
 def test_costs_of_nothing_are_drawn_too(made_dance) -> None:
     dance = made_dance()
     trace = tuple(replace(row, cost=0.0, best_cost=0.0) for row in dance.trace)
-    axes = search_trace(replace(dance, trace=trace, chain_costs=(0.0,))).axes[0]
+    axes = search_trace(replace(dance, trace=trace, chain_costs=(0.0,), cost_total=0.0)).axes[0]
     assert axes.get_yscale() == "linear"
 
 
