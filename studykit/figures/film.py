@@ -127,7 +127,8 @@ def middles(dance: Dance) -> Floats:
 def at_joins(dance: Dance) -> Floats:
     """Give the poses on both sides of each join, shape (join, 2, 24, 3), m, seen from before the join.
 
-    They are the nearest that blending leaves alone; the pelvis is at the origin.
+    They are the nearest that blending leaves alone (what cleans a join may move them a little); the pelvis is
+    at the origin.
     """
     motion = dance.motion
     joins = _edges(dance)[1:-1]
