@@ -22,7 +22,7 @@ _LEGS = tuple(
     NEUTRAL_BODY.index(f"{side}_{part}") for part in ("hip", "knee", "ankle") for side in ("left", "right")
 )
 _KNEES = tuple(NEUTRAL_BODY.index(name) for name in ("left_knee", "right_knee"))
-_BALL, _ANKLE = 1e4, 300.0  # how much it matters that they stand still, against the turns of the legs
+_BALL, _ANKLE = 1e4, 30.0  # how much it matters that they stand still, against the turns of the legs
 
 
 def animate(

@@ -71,6 +71,8 @@ def fitted(
     multiples of diagonal ones a frame and two away: one banded Cholesky factorisation solves all windows.
     A window's step that does not lower its cost is not taken; the next one is damped (Levenberg).
     """
+    if not free:
+        return rotations
     problem = _Problem(rotations, wanted, skeleton, list(free), pull)
     damping = np.full(len(rotations), 1e-6)
     found, cost = rotations, problem.cost(rotations)

@@ -10,10 +10,11 @@ import pytest
 
 from studykit.library.build import build
 from studykit.library.measure import Settings
-from studykit.motion import blending, rotation
-from studykit.motion.animation import animate
+from studykit.motion import blending, foot_contact, kinematics, rotation
+from studykit.motion.animation import REACH, animate
 from studykit.motion.join_quality import JoinQuality, join_quality, usual_acceleration
 from studykit.motion.motion import Motion
+from studykit.motion.segmentation import SEGMENT_FRAMES
 
 pytestmark = pytest.mark.slow
 
@@ -107,6 +108,31 @@ def test_dances_of_any_joins_are_nearly_so(random_chains, usual) -> None:
     assert mean(found, "join_sliding") <= 2.0
     assert within(found, "linear_energy") >= 0.6
     assert within(found, "rotational_energy") >= 0.8
+
+
+def test_feet_that_are_held_stand_still(smooth_chains, random_chains, monkeypatch) -> None:
+    holds: list[foot_contact.Footholds] = []
+    given = foot_contact.footholds
+
+    def noted(points: np.ndarray, stands: np.ndarray) -> foot_contact.Footholds:
+        holds.append(given(points, stands))
+        return holds[-1]
+
+    monkeypatch.setattr(foot_contact, "footholds", noted)
+    missed = []
+    for chain in (*smooth_chains, *random_chains):
+        holds.clear()
+        points = kinematics.joint_positions(animate(chain))[:, foot_contact.POINTS]
+        for number, hold in enumerate(holds):
+            join = SEGMENT_FRAMES * (number + 1)
+            balls = slice(join - REACH, join + REACH), slice(2, None)
+            part = slice(2, -2), slice(2, None)
+            miss = np.linalg.norm(points[balls] - hold.places[part], axis=-1)
+            missed.append(miss[hold.is_held[part]])
+    misses = np.concatenate(missed)
+    assert len(misses) > 1000
+    assert np.mean(misses > 0.001) < 0.005
+    assert misses.max() < 0.01
 
 
 def test_a_stage_costs_neither_energy_nor_much_sliding(random_chains) -> None:

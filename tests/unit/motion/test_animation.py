@@ -151,6 +151,11 @@ def test_joints_that_are_held_turn_as_the_blend_has_them() -> None:
         assert speeds[0] == pytest.approx(speeds[1])
 
 
+def test_a_body_all_of_which_is_held_is_left_to_the_blend() -> None:
+    segments = [swaying(seed) for seed in range(3)]
+    assert turns_between(animate(segments, held=range(24)), joined(segments)).max() < 1e-7
+
+
 def test_turning_the_room_turns_the_dance() -> None:
     segments = [swaying(seed) for seed in range(3)]
     motion = kinematics.turned(animate(segments), 0.7)
