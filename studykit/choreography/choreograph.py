@@ -17,7 +17,7 @@ from studykit.choreography.dance import (
     measured,
 )
 from studykit.choreography.dance_library import DanceLibrary
-from studykit.choreography.goal import ENERGY_HIT, Goal
+from studykit.choreography.goal import CLOSE, ENERGY_HIT, Goal
 from studykit.choreography.measures import Measures
 from studykit.choreography.reach import require_reachable
 from studykit.choreography.rjmcmc.chain import Found, Search
@@ -130,8 +130,13 @@ class _Outcome:
     is_interrupted: bool
 
     def ranked(self, goal: Goal) -> list[Found]:
-        """Put the dances in order: those that miss least first, of these the cheapest."""
-        return sorted(self.found, key=lambda one: (len(goal.misses(one.measures)), one.cost))
+        """Put the dances in order: those that miss least first, of these the closest, then the cheapest."""
+
+        def rank(one: Found) -> tuple[int, int, float]:
+            missed = goal.misses(one.measures)
+            return len(missed), len(goal.misses(one.measures, share=CLOSE)), one.cost
+
+        return sorted(self.found, key=rank)
 
 
 def _require_segments(goal: Goal, known: Repertoire) -> None:

@@ -22,6 +22,9 @@ DURATION_TOLERANCE_S = 1.0
 ENERGY_HIT = 0.05
 """A dance is as intense as asked when both energies are within this share of their targets."""
 
+CLOSE = 0.4
+"""Of dances that are as asked, those are preferred that miss by no more than this share of what they may."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Block:
@@ -166,10 +169,10 @@ class Goal:
         transition = TransitionCost(tolerance_m=self.transition_tolerance_m, form=preset.form)
         return TotalCost((*weighted, (transition, self.weights["transition"])))
 
-    def misses(self, measures: Measures) -> dict[str, float]:
+    def misses(self, measures: Measures, *, share: float = 1.0) -> dict[str, float]:
         """Give what a dance misses, by how much of the target: its length, an energy, its variety.
 
-        A term of weight 0 is not asked for and cannot be missed.
+        A term of weight 0 is not asked for and cannot be missed. `share` narrows what counts as hit.
         """
         allowed = {"duration": 1e-9, "linear": ENERGY_HIT, "rotational": ENERGY_HIT}
         missed = {}
@@ -186,7 +189,7 @@ class Goal:
                 limit = allowed.get(name, math.nan) * target
                 if name == "variety":
                     limit = self.variety_tolerance
-                if self.weights[name] > 0.0 and target > 0.0 and off > limit:
+                if self.weights[name] > 0.0 and target > 0.0 and off > share * limit:
                     missed[f"{_WORDS[name]}{of_block}"] = off / target
         return missed
 
