@@ -234,7 +234,7 @@ class DanceDesigner(SparedJoints, MotionPlayer):
             title=f"{'Preview' if is_preview else 'Dance'}, {dance.motion.duration_s:g} s, seed {dance.seed}",
             is_synthetic=dance.is_synthetic,
             found="preview" if is_preview else "dance",
-            status=self._workshop.words(dance, is_preview=is_preview),
+            status=self._workshop.words(goal, dance, is_preview=is_preview),
             obstacle={},
             targets=self._workshop.targets(goal),
             blocks=self._workshop.blocks(goal, dance),

@@ -171,13 +171,19 @@ class Workshop:
             for start, block in zip(starts, dance.blocks, strict=True)
         ]
 
-    def words(self, dance: Dance, *, is_preview: bool) -> str:
-        """Say in one sentence what was found."""
+    def words(self, goal: Goal, dance: Dance, *, is_preview: bool) -> str:
+        """Say in a sentence or two what was found."""
+        missed = [
+            row["name"]
+            for block in self.blocks(goal, dance)
+            for row in block["measures"]
+            if not row["is_hit"]
+        ]
+        words = ", ".join(dict.fromkeys(missed))
+        close = f"Not close enough: {words}." if missed else "All is close enough."
         if dance.is_interrupted:
-            return "The search was stopped; this is the best dance until then."
-        if is_preview:
-            return "A quick look. Find this dance to search it thoroughly."
-        return "Found."
+            return f"The search was stopped; this is the best dance until then. {close}"
+        return f"A quick look. {close}" if is_preview else f"Found. {close}"
 
 
 def _spared(settings: Settings) -> JointMask | tuple[()]:

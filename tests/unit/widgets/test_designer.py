@@ -165,6 +165,7 @@ def test_targets_stand_beside_what_was_achieved(library: DanceLibrary, source: S
     }
     assert rows["rotational energy"]["verdict"] == "10.0% below, farther than asked"
     assert rows["variety"]["verdict"] == "as asked"
+    assert designer.status == "A quick look. Not close enough: rotational energy."
 
 
 def test_segments_that_come_back_have_the_same_letter(library: DanceLibrary, source: StandIn) -> None:
