@@ -11,6 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 MADE = {
     "00_tour": "sessions/tour/derivatives/studykit/report.html",
+    "02_design_dances": "sessions/designed/careful.glb",
     "03_build_library": "libraries/notebook/library.html",
 }
 """What each notebook leaves at its end."""
