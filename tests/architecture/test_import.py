@@ -40,7 +40,10 @@ FIRST_IMPORT = (
 
 # A widget is a class of anywidget's, which brings in IPython. Such classes stand in modules of this name in
 # the rooms of studykit.widgets, which are imported when a widget is first asked for, and by nothing else.
-WIDGETS = tuple(f"studykit.widgets.{room}.widget" for room in ("browser", "player", "rater", "reviewer"))
+WIDGETS = tuple(
+    f"studykit.widgets.{room}.widget"
+    for room in ("body_map", "browser", "designer", "player", "rater", "reviewer")
+)
 
 # Compiled by numba, which writes what it compiled beside them; imported where they are used, by nothing else.
 COMPILED = (

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from studykit.figures.film import letters
 from studykit.motion.kinematics import joint_positions
 from studykit.motion.segmentation import SEGMENT_S
-from studykit.widgets.player.widget import MotionPlayer
 
 if TYPE_CHECKING:
     from studykit.choreography.dance import Dance, DanceSegment
     from studykit.widgets.player.material import Mark
+    from studykit.widgets.player.widget import MotionPlayer
 
 _GAP_S = 0.1  # so that neighbours can be told apart
 
@@ -29,6 +29,8 @@ def watch(dance: Dance) -> MotionPlayer:
     MotionPlayer
         Show it as the last line of a cell. The marks are the segments; the same letter is the same movement.
     """
+    from studykit.widgets.player.widget import MotionPlayer
+
     return MotionPlayer(
         positions=joint_positions(dance.motion),
         frame_rate_hz=dance.motion.frame_rate_hz,
