@@ -72,6 +72,11 @@ def test_a_slider_searches_a_preview_and_the_button_the_dance(open_notebook: Cal
     notebook.wait_for("found", lambda found: found == "dance", patience_s=120.0)
     page.wait_for_function("() => document.querySelectorAll('.sk-measures .sk-hit').length === 4")
     assert page.locator(".sk-chip").count() == 8
+    page.get_by_label("Folder for the files").fill("mine")
+    page.get_by_role("button", name="Save", exact=True).click()
+    notebook.wait_for("status", lambda status: status == "Saved as 30-0.55-on-seed0 in mine.")
+    written = {path.suffix for path in (notebook.folder / "mine").iterdir()}
+    assert written == {".npz", ".bvh", ".glb", ".json"}
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         notebook.dress(theme)
         picture(notebook, f"designer-{theme.split()[1].lower()}")

@@ -165,8 +165,8 @@ class DanceDesigner(SparedJoints, MotionPlayer):
         """
         if self._dance is None or self.found != "dance":
             raise InputError("there is only a preview", where="save", remedy="find the dance first")
-        self._workshop.save(self._dance, folder)
-        self.status = f"Saved to {folder}."
+        name = self._workshop.save(self._dance, folder)
+        self.status = f"Saved as {name} in {folder}."
 
     @traitlets.validate(*(name for name in _SETTINGS if name not in ("weights", "speed_limits_rad_s")))
     def _setting_can_be_used(self, proposal: Any) -> Any:

@@ -145,11 +145,13 @@ class Workshop:
             variety=round(share, 2) if block.variety else settings.variety,
         )
 
-    def save(self, dance: Dance, folder: str | Path) -> None:
-        """Write a dance to files."""
+    def save(self, dance: Dance, folder: str | Path) -> str:
+        """Write a dance to files, and give the name that they have."""
         from studykit.library.dance_file import write_dances
 
-        write_dances({dance.condition: dance}, folder)
+        name = f"{dance.condition}-seed{dance.seed}"
+        write_dances({name: dance}, folder)
+        return name
 
     def targets(self, goal: Goal) -> dict[str, str]:
         """Say what the sliders mean in numbers."""

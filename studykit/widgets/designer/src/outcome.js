@@ -112,8 +112,9 @@ export class Outcome {
       chip.style.setProperty("--sk-letter", LETTER_COLOURS[order.indexOf(plain(letter)) % LETTER_COLOURS.length]);
       return chip;
     });
+    const mirrored = segments.some(({ letter }) => letter !== plain(letter)) ? ", with a ′ its mirror image" : "";
     const words = segments.length
-      ? `${segments.length} segments of 4 s, ${order.length} different ones; the same letter is the same movement, with a ′ its mirror image.`
+      ? `${segments.length} segments of 4 s, ${order.length} different ones; the same letter is the same movement${mirrored}.`
       : "";
     const row = element("div", { class: "sk-chips" }, this.chips);
     row.style.setProperty("--sk-columns", Math.min(Math.max(segments.length, 1), 16));
