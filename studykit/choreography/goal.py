@@ -163,7 +163,7 @@ class Goal:
                     tolerances=tuple(own.tolerance * block.segments for block in blocks),
                     form=preset.form,
                 )
-                weighted.append((cost, own.weight))
+                weighted.append((cost, self.weights.get(own.name, own.weight)))
             else:
                 weighted.append((own, own.weight))
         transition = TransitionCost(tolerance_m=self.transition_tolerance_m, form=preset.form)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from studykit.choreography.cost.term import SegmentTerm
 from studykit.choreography.goal import Block, Goal
 from studykit.choreography.measures import Measures
 from studykit.choreography.rjmcmc.annealing import Annealing
@@ -48,13 +49,15 @@ def nearest(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> Measures:
     Joins and further terms do not count, and tolerances are so wide that far is worse than near: what is
     lowered is, in effect, the squared distance to the goal, with energies and variety reached jointly.
     """
+    summed = tuple(term for term in goal.terms if isinstance(term, SegmentTerm))
+    names = [term.name for term in summed]
     wide = replace(
         goal,
         linear_tolerance=goal.linear_tolerance * (_ENERGY_WIDTH / 0.1),
         rotational_tolerance=goal.rotational_tolerance * (_ENERGY_WIDTH / 0.1),
         variety_tolerance=goal.variety_tolerance * _VARIETY_WIDTH,
-        weights={**goal.weights, "transition": 0.0, "mask": 0.0},
-        terms=(),
+        weights={**goal.weights, "transition": 0.0, "mask": 0.0, **dict.fromkeys(names, 0.0)},
+        terms=summed,
     )
     search = Search(goal=wide, repertoire=repertoire, annealing=_PROBE)
     best: Found | None = None

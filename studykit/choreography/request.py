@@ -69,27 +69,25 @@ def requested(  # noqa: PLR0913 - as many words as a wish has
     >>> from studykit import open_library  # doctest: +SKIP
     >>> requested(open_library("libraries/cmu"), intensity="intense", spare="right_elbow")  # doctest: +SKIP
     """
-    for where, word, known in (
-        ("intensity", intensity, get_args(Intensity)),
-        ("variety", variety, get_args(Variety)),
-        ("transition", transition, get_args(Transition)),
-    ):
-        if isinstance(word, str) and word not in known:
-            raise InputError(f'there is no "{word}"', where=where, remedy=f"choose {' or '.join(known)}")
+    if transition not in get_args(Transition):
+        raise InputError(f'there is no "{transition}"', where="transition", remedy="choose on or off")
     plan = plan or default_plan()
     if isinstance(schedule, str):
         schedule = ready_made(schedule)
-    blocks = schedule or (BlockPlan(duration_s=duration_s, intensity=intensity, variety=variety),)
+    if schedule is None:
+        blocks: Schedule = (BlockPlan(duration_s=duration_s, intensity=intensity, variety=variety),)
+    else:
+        blocks = tuple(schedule)
     mask = spare if isinstance(spare, JointMask) else spared(spare) if spare else None
     if mask is not None:
         mask = limited(mask, library, SPEED_PERCENTILE)
     words = (
         ["schedule"]
-        if schedule
+        if schedule is not None
         else [word if isinstance(word, str) else f"{word:g}" for word in (intensity, variety)]
     )
     return scheduled(
-        plan, tuple(blocks), library, name="-".join([*words, transition]), mask=mask, terms=tuple(terms)
+        plan, blocks, library, name="-".join([*words, transition]), mask=mask, terms=tuple(terms)
     )
 
 

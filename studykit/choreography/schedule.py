@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -101,7 +102,7 @@ def heart_rate_profile(
     >>> [block.intensity for block in heart_rate_profile([100, 120, 140], light_bpm=100, intense_bpm=140)]
     [25.0, 50.0, 75.0]
     """
-    if not 0.0 < light_bpm < intense_bpm:
+    if not 0.0 < light_bpm < intense_bpm < math.inf:
         raise InputError(
             f"light dances at {light_bpm:g} and intense ones at {intense_bpm:g} beats a minute",
             where="light_bpm",

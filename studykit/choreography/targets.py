@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import get_args
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from studykit.core.errors import InputError
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.motion.joint_mask import JointMask, spare
 from studykit.motion.segmentation import SEGMENT_S
-from studykit.protocol.condition import Condition
+from studykit.protocol.condition import Condition, Intensity, Variety
 from studykit.protocol.study_protocol import DancePlan, StudyProtocol
 
 # Section 5.6 of the paper, in its unit: energies times body mass in kg.
@@ -97,6 +98,8 @@ def scheduled(
     InputError
         If a block is not a multiple of 4 s long, or a level lies outside its range.
     """
+    if not schedule:
+        raise InputError("there is no block", where="schedule", remedy="give one or more")
     preset = PRESETS[plan.preset]
     blocks = tuple(_block(plan, block, library) for block in schedule)
     calibration = library.calibration
@@ -128,6 +131,8 @@ def scheduled(
 def _weights(plan: DancePlan, blocks: tuple[Block, ...], *, is_smooth: bool) -> Mapping[str, float]:
     weights = plan.weights.model_dump()
     weights["mask"] = plan.spare.cost_weight if plan.spare is not None else MASK_WEIGHT
+    if PRESETS[plan.preset].masks_energies:
+        weights["mask"] = 0.0  # Eq. 11 alone: what spared joints do is left out, and costs nothing
     if not is_smooth:
         weights["transition"] = 0.0
     if all(block.segments < 2 for block in blocks):
@@ -149,6 +154,12 @@ def _block(plan: DancePlan, block: BlockPlan, library: DanceLibrary) -> Block:
             where="duration",
             remedy=f"ask for {segments * SEGMENT_S:g} s",
         )
+    for where, word, known in (
+        ("intensity", block.intensity, get_args(Intensity)),
+        ("variety", block.variety, get_args(Variety)),
+    ):
+        if isinstance(word, str) and word not in known:
+            raise InputError(f'there is no "{word}"', where=where, remedy=f"choose {' or '.join(known)}")
     linear, rotational = _energies(plan, block, library)
     # Chains are 32 s long; a block of another length asks for as much in each second.
     scale = duration_s / (CHAIN_SEGMENTS * SEGMENT_S)
