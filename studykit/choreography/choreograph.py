@@ -167,6 +167,7 @@ def _searched(goal: Goal, known: Repertoire, *, seed: int, is_preview: bool, wor
             try:
                 found += [future.result() for future in futures]
             except KeyboardInterrupt:
+                search.stop.set()
                 found += _finished(futures)
                 return _Outcome(found=tuple(found), is_interrupted=True)
             if any(not goal.misses(one.measures) for one in found):
@@ -175,7 +176,7 @@ def _searched(goal: Goal, known: Repertoire, *, seed: int, is_preview: bool, wor
 
 
 def _finished(futures: list[Future[Found]]) -> Iterator[Found]:
-    """Call off what has not begun and wait for the rest: a chain takes a fraction of a second."""
+    """Call off what has not begun and wait for the rest: chains are short, or told to stop."""
     for future in futures:
         future.cancel()
     for future in futures:

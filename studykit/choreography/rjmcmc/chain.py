@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from threading import Event
 
 import numpy as np
 
@@ -63,11 +64,14 @@ class Search:
         What is danced.
     annealing : Annealing
         Temperatures and widths.
+    stop : Event
+        Set it, and chains of the plain search stop where they are; compiled ones are done in a moment.
     """
 
     goal: Goal
     repertoire: Repertoire
     annealing: Annealing
+    stop: Event = field(default_factory=Event)
 
     @property
     def objective(self) -> TotalCost:
@@ -236,29 +240,27 @@ def _trace(rows: Floats, annealing: Annealing, names: tuple[str, ...]) -> tuple[
 
 
 def _plain(search: Search, steps: Iterable[reference.Step]) -> tuple[Blocks, tuple[TraceRow, ...]]:
-    """Run the plain search; an interruption gives the best dance so far."""
+    """Run the plain search; one that is told to stop gives the best dance so far."""
     rows: list[TraceRow] = []
     each = search.annealing.stage_iterations
     accepted, step = 0, None
-    try:
-        for number, step in enumerate(steps, start=1):
-            accepted += step.is_accepted
-            if number % each == 0:
-                rows.append(
-                    TraceRow(
-                        iteration=number,
-                        temperature=step.temperature,
-                        width=step.width,
-                        cost=step.cost,
-                        best_cost=step.best_cost,
-                        segments=sum(len(block) for block in step.blocks),
-                        accepted=accepted / each,
-                        terms=search.objective.terms(search.repertoire.measures(step.blocks)),
-                    )
+    for number, step in enumerate(steps, start=1):
+        accepted += step.is_accepted
+        if number % each == 0:
+            rows.append(
+                TraceRow(
+                    iteration=number,
+                    temperature=step.temperature,
+                    width=step.width,
+                    cost=step.cost,
+                    best_cost=step.best_cost,
+                    segments=sum(len(block) for block in step.blocks),
+                    accepted=accepted / each,
+                    terms=search.objective.terms(search.repertoire.measures(step.blocks)),
                 )
-                accepted = 0
-    except KeyboardInterrupt:
-        if step is None:
-            raise
+            )
+            accepted = 0
+        if search.stop.is_set():
+            break
     assert step is not None  # noqa: S101  # an annealing has an iteration
     return step.best, tuple(rows)
