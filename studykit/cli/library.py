@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from studykit.cli import show
+from studykit.cli.cores import Dask, Workers, processes, workforce
 from studykit.cli.library_facts import facts_of, print_calibration, print_info, print_takes
 from studykit.core.errors import InputError
 
@@ -23,9 +22,6 @@ app = typer.Typer(
 
 Out = Annotated[Path, typer.Option("--out", help="The folder to make.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Repeats everything that chance decides.")]
-Workers = Annotated[
-    int | None, typer.Option(min=1, help="Processes; as many as there are cores if not given.")
-]
 AsJson = Annotated[bool, typer.Option("--json", help="Print for a machine.")]
 
 
@@ -58,9 +54,7 @@ def build(
     ] = False,
     seed: Seed = 0,
     workers: Workers = None,
-    dask: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://10.0.0.5:8786.")
-    ] = None,
+    dask: Dask = None,
 ) -> None:
     """Build a library from folders of takes, calibrate it and show what is in it.
 
@@ -77,14 +71,8 @@ def build(
         _say_what_is_read(folder, own, fps or [])
     settings = Settings(noise_rule=cast(Any, noise_rule), stride_s=stride, mirrored=mirrored, seed=seed)
     before = _shards(out)
-    with _cluster(dask):
-        build_library(
-            sources,
-            out,
-            settings=settings,
-            workers=None if dask else workers or _processes(),
-            progress=show.progress,
-        )
+    with workforce(dask, workers) as hands:
+        build_library(sources, out, settings=settings, workers=hands, progress=show.progress)
     now = _shards(out)
     if before:
         changes = (len(now - before), len(now & before), len(before - now))
@@ -128,35 +116,6 @@ def _say_what_is_read(folder: Path, recipe: Recipe, rates: list[str]) -> None:
         show.say(f"  not read, since no rule means it or its format is another: {example}{more}")
 
 
-def _processes() -> int:
-    from joblib import cpu_count
-
-    return int(cpu_count())
-
-
-@contextmanager
-def _cluster(address: str | None) -> Iterator[None]:
-    """Let joblib's work go to a Dask cluster while this lasts."""
-    if address is None:
-        yield
-        return
-    try:
-        from distributed import Client
-    except ImportError:
-        remedy = "install it: pip install 'dask[distributed]'"
-        raise InputError("Dask is not installed", where="--dask", remedy=remedy) from None
-    from joblib import parallel_config
-
-    try:
-        client = Client(address, timeout=10)
-    except (OSError, ValueError, TimeoutError) as error:
-        raise InputError(
-            f"no scheduler answers at {address}", where="--dask", remedy="check its address"
-        ) from error
-    with client, parallel_config(backend="dask"):
-        yield
-
-
 def _recipe(source: Path, name: str | None, skeleton: str | None, fps: list[str], skip: int | None) -> Recipe:
     from studykit.io.datasets.read import find_recipe, named_recipe
     from studykit.io.datasets.recipe import FILE_NAME, Recipe
@@ -198,7 +157,7 @@ def sample(
     """Make up a synthetic library, of any size: nobody danced it, and it says so."""
     from studykit.library import make_sample
 
-    make_sample(out, segments=segments, seed=seed, workers=workers or _processes(), progress=show.progress)
+    make_sample(out, segments=segments, seed=seed, workers=workers or processes(), progress=show.progress)
     print_info(out)
     show.say(f"Next: studykit demo --library {out} --out sessions/{out.name}")
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.core.errors import InputError
+from studykit.core.parallel import spread
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.io.datasets.known import DATASETS
@@ -133,16 +134,11 @@ def _outcomes(
     decisions: Decisions,
     workers: int | None,
 ) -> Iterable[dict[str, Any]]:
-    from joblib import Parallel, delayed
-
     jobs = (
-        delayed(make_shard)(
-            source, out.resolve(), settings, review.decisions_of(decisions, source.data_set, source.name)
-        )
+        (source, out.resolve(), settings, review.decisions_of(decisions, source.data_set, source.name))
         for source in sources
     )
-    outcomes: Iterable[dict[str, Any]] = Parallel(n_jobs=workers, return_as="generator")(jobs)
-    return outcomes
+    return spread(make_shard, jobs, workers=workers)
 
 
 def make_shard(source: Source, out: Path, settings: Settings, decisions: Words) -> dict[str, Any]:

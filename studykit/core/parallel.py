@@ -1,0 +1,30 @@
+"""The same work on many things, on as many processes or machines as there are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
+
+
+def spread(
+    work: Callable[..., Result], jobs: Iterable[tuple[Any, ...]], *, workers: int | None = None
+) -> Iterator[Result]:
+    """Do the same work on many things and give the results in their order, as they come.
+
+    Parameters
+    ----------
+    work : function
+        Can be imported by its name; on a cluster, on every machine of it.
+    jobs : iterable of tuple
+        What it is called with; only a few are taken ahead of those that are done.
+    workers : int, optional
+        Processes; if not given, what joblib's `parallel_config` says, for example a Dask cluster.
+    """
+    from joblib import Parallel, delayed
+
+    results: Iterator[Result] = Parallel(n_jobs=workers, return_as="generator")(
+        delayed(work)(*job) for job in jobs
+    )
+    return results
