@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -143,8 +144,9 @@ class DanceDesigner(SparedJoints, MotionPlayer):
         if self._nearest is None:
             raise InputError("nothing else is offered", remedy="move a slider")
         settings = self._workshop.settings_near(self._nearest, self.settings)
-        # The sliders come near to this goal, but they hold only one energy and whole numbers.
-        self._agreed.insert(0, (settings, self._nearest))
+        # The sliders come near to this goal, but hold one energy and whole numbers only: it stays the goal
+        # of these settings, whatever the seed.
+        self._agreed.insert(0, (replace(settings, seed=0), self._nearest))
         self._set(settings)
 
     def undo(self) -> None:
@@ -199,7 +201,7 @@ class DanceDesigner(SparedJoints, MotionPlayer):
 
     def _find(self, *, is_preview: bool) -> None:
         """Search a dance and show it, or say why there is none."""
-        settings = self.settings
+        settings = replace(self.settings, seed=0)
         agreed = next((goal for known, goal in self._agreed if known == settings), None)
         goal = agreed or self._workshop.goal(settings)
         if isinstance(goal, Obstacle):

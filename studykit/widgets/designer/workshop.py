@@ -189,8 +189,8 @@ class Workshop:
 
 
 def _spared(settings: Settings) -> JointMask | tuple[()]:
-    is_free = not settings.weights and not settings.speed_limits_rad_s
-    return () if is_free else mask(settings.weights, settings.speed_limits_rad_s)
+    asked = mask(settings.weights, settings.speed_limits_rad_s)
+    return asked if asked.spared else ()
 
 
 def _schedule(settings: Settings) -> Schedule | None:

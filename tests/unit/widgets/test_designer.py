@@ -211,6 +211,9 @@ def test_the_nearest_goal_is_taken_exactly_and_the_sliders_come_near(
     assert block.variety == pytest.approx(0.713 * library.calibration.median_distance)
     with pytest.raises(InputError, match="nothing else"):
         designer.use_nearest()
+    designer.another()  # of the same goal
+    assert designer.goal.blocks == (block,)
+    designer.undo()
     designer.undo()
     assert designer.intensity == 99.0
     assert designer.obstacle["has_offer"]

@@ -50,7 +50,7 @@ export class DesignerPanel {
     const use = button("Use these", { signal: this.signal, onclick: () => this.model.send({ deed: "nearest" }) });
     fill(
       this.obstacle,
-      element("p", {}, element("strong", {}, "Out of reach. "), sentence),
+      element("p", {}, element("strong", {}, hasOffer ? "Out of reach. " : "Not possible. "), sentence),
       hasOffer ? element("p", {}, "Ask for the nearest values instead: ", use) : [],
     );
   }
