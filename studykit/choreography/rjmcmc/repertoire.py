@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from itertools import chain, pairwise
@@ -41,7 +42,8 @@ class Repertoire:
     Raises
     ------
     InputError
-        If the mask leaves no segment, or a term's values are not one number a segment.
+        If the mask leaves no segment, or a term is incomplete, has the name of another, or has values that
+        are not one number a segment.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class Repertoire:
         }
         if mask is not None:
             self.values = {**self.values, "mask": spared_energies(library, mask)[self.rows]}
+        _require_terms(terms)
         for term in terms:
             if isinstance(term, SegmentTerm):
                 self.values = {**self.values, term.name: _checked(term, library)[self.rows]}
@@ -204,12 +207,16 @@ class Repertoire:
         return total / pairs
 
 
-@lru_cache(maxsize=8)
 def repertoire(
     library: DanceLibrary, preset: Preset, mask: JointMask | None, terms: tuple[SegmentTerm | CostTerm, ...]
 ) -> Repertoire:
-    """Give a repertoire, kept for the dances that follow."""
-    return Repertoire(library, preset, mask=mask, terms=terms)
+    """Give a repertoire, kept for the dances that follow; with terms of one's own, which may change, anew."""
+    return Repertoire(library, preset, mask=mask, terms=terms) if terms else _kept(library, preset, mask)
+
+
+@lru_cache(maxsize=8)
+def _kept(library: DanceLibrary, preset: Preset, mask: JointMask | None) -> Repertoire:
+    return Repertoire(library, preset, mask=mask)
 
 
 def allowed(library: DanceLibrary, mask: JointMask | None) -> Integers:
@@ -241,6 +248,23 @@ def _energies(by_joint: Floats, preset: Preset, mask: JointMask | None) -> Float
     if mask is None or not preset.masks_energies:
         return np.asarray(by_joint.sum(axis=1), dtype=np.float64)
     return np.asarray(by_joint @ mask.weights, dtype=np.float64)
+
+
+def _require_terms(terms: Sequence[SegmentTerm | CostTerm]) -> None:
+    taken = {"duration", "variety", "linear", "rotational", "mask", "transition"}
+    for term in terms:
+        if term.name in taken:
+            problem = f'there is a term "{term.name}" already'
+            raise InputError(problem, where="terms", remedy="give it another name")
+        taken.add(term.name)
+        if isinstance(term, SegmentTerm):
+            if not (math.isfinite(term.target) and 0.0 < term.tolerance < math.inf):
+                problem = f"a target of {term.target:g} and a tolerance of {term.tolerance:g}"
+                remedy = "give numbers, the tolerance above 0"
+                raise InputError(problem, where=f"the term {term.name}", remedy=remedy)
+        elif not hasattr(term, "cost"):
+            problem = "it has neither a cost, nor a target, a tolerance and values"
+            raise InputError(problem, where=f"the term {term.name}", remedy="see CostTerm and SegmentTerm")
 
 
 def _checked(term: SegmentTerm, library: DanceLibrary) -> Floats:
