@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from studykit.cli import analyse, choreograph, demo, library, session
+from studykit.cli import analyse, choreograph, cohort, demo, library, session
 
 app = typer.Typer(
     name="studykit",
@@ -17,6 +17,7 @@ app = typer.Typer(
 app.command("demo")(demo.demo)
 app.add_typer(library.app, name="library")
 app.command("choreograph")(choreograph.choreograph)
+app.command("cohort", help=cohort.HELP)(cohort.cohort)
 app.add_typer(session.app, name="session")
 app.command("analyse")(analyse.analyse)
 app.command("figures")(analyse.figures)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -10,7 +10,7 @@ Result = TypeVar("Result")
 
 def spread(
     work: Callable[..., Result], jobs: Iterable[tuple[Any, ...]], *, workers: int | None = None
-) -> Iterator[Result]:
+) -> Generator[Result, None, None]:
     """Do the same work on many things and give the results in their order, as they come.
 
     Parameters
@@ -24,7 +24,7 @@ def spread(
     """
     from joblib import Parallel, delayed
 
-    results: Iterator[Result] = Parallel(n_jobs=workers, return_as="generator")(
+    results: Generator[Result, None, None] = Parallel(n_jobs=workers, return_as="generator")(
         delayed(work)(*job) for job in jobs
     )
     return results

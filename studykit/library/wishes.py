@@ -1,0 +1,229 @@
+"""Tables of wishes: one row for each dance that a cohort shall have."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError, field_validator
+
+from studykit.choreography.dance_library import DanceLibrary
+from studykit.choreography.goal import Goal
+from studykit.choreography.request import DEFAULT_S, requested
+from studykit.core.errors import InputError, nearest
+from studykit.core.seeding import stream
+from studykit.io.toml_file import line_of, read_model
+from studykit.motion.joint_mask import JointMask
+from studykit.protocol.part import Part, refuse_repeats
+
+_LONGEST_NAME = 100
+_MOST = 2**31
+
+
+class Wish(Part):
+    """One dance that is wished for, and for whom; what is left out is as in `request.requested`."""
+
+    participant: str = Field(default="", description="the folder of the dance")
+    name: str = Field(default="", description="the name of its files; its words if not given")
+    duration_s: float = Field(default=DEFAULT_S, description="a multiple of 4")
+    intensity: str | float = Field(default="light", description="light, intense, or a percentile, 0 to 100")
+    variety: str | float = Field(default="easy", description="easy, hard, or a share, such as 0.7")
+    transition: str = Field(default="on", description="on or off")
+    spare: tuple[str, ...] = Field(default=(), description="joints, separated by spaces or ;")
+    schedule: str | None = Field(default=None, description="hiit, waves or warm-up, instead of one level")
+    seed: int | None = Field(default=None, ge=0, lt=_MOST, description="a whole number; drawn if not given")
+
+    @field_validator("intensity", "variety", mode="before")
+    @classmethod
+    def _number_if_it_is_one(cls, said: Any) -> Any:
+        try:
+            return float(said)
+        except (TypeError, ValueError):
+            return said
+
+    @field_validator("spare", mode="before")
+    @classmethod
+    def _separate_joints(cls, said: Any) -> Any:
+        return tuple(re.split(r"[\s;]+", said.strip())) if isinstance(said, str) else said
+
+    @field_validator("participant", "name")
+    @classmethod
+    def _can_name_a_file(cls, said: str) -> str:
+        if re.search(r'[<>:"/\\|?*\x00-\x1f]', said) or said[:1] == "." or said[-1:] in {".", " "}:
+            raise InputError(f'no file can be called "{said}"', remedy="use letters, digits, - and _")
+        if len(said) > _LONGEST_NAME:
+            raise InputError(f"{len(said)} letters are too long for a file", remedy="use a shorter name")
+        return said
+
+    def goal(self, library: DanceLibrary) -> Goal:
+        """Say in numbers what is wished for; dances that spare the same joints share one mask.
+
+        Raises
+        ------
+        InputError
+            If a word, joint, schedule or number is none that is known.
+        """
+        goal = requested(
+            library,
+            duration_s=self.duration_s,
+            intensity=self.intensity,  # type: ignore[arg-type]  # words are checked there
+            variety=self.variety,  # type: ignore[arg-type]
+            transition=self.transition,  # type: ignore[arg-type]
+            schedule=self.schedule,
+        )
+        return replace(goal, mask=_mask(library, self.spare)) if self.spare else goal
+
+
+@lru_cache(maxsize=8)
+def _mask(library: DanceLibrary, spare: tuple[str, ...]) -> JointMask | None:
+    """Give one mask for the same joints, by which the search knows what it has prepared."""
+    return requested(library, spare=spare).mask
+
+
+def read_wishes(path: str | Path, library: DanceLibrary, *, seed: int = 0) -> tuple[Wish, ...]:
+    """Read a table of wishes and check all of it.
+
+    Parameters
+    ----------
+    path : str or Path
+        A CSV file with a heading, or a TOML file with a `[[dance]]` each; columns and fields are those of
+        `Wish`, of which `participant` or `name` is needed. Empty cells are left out.
+    library : DanceLibrary
+        What the dances shall be made of.
+    seed : int
+        A wish without a seed gets one that is drawn from this one, the participant and the name, so that
+        people with equal wishes dance differently and no row depends on another.
+
+    Returns
+    -------
+    tuple of Wish
+        Each with its name and seed.
+
+    Raises
+    ------
+    InputError
+        For the first thing that is wrong: file, line, field, remedy.
+    """
+    path = Path(path)
+    wishes, line = _from_toml(path) if path.suffix.lower() == ".toml" else _from_csv(path)
+    if not wishes:
+        raise InputError("no dance is wished for", where=path, remedy="write a row for each")
+    lines: dict[tuple[str, str], int] = {}
+    named = []
+    for number, wish in enumerate(wishes):
+        try:
+            named.append(_named(wish, library, seed))
+            _require_new(named[-1], lines)
+        except InputError as error:
+            field = _FIELDS.get(error.where, error.where)
+            where = f"{path}, line {line(number, field)}, {field}"
+            raise InputError(error.problem, where=where, remedy=error.remedy) from error
+        lines[_key(named[-1])] = line(number, "")
+    return tuple(named)
+
+
+_FIELDS = {"": "spare", "duration": "duration_s"}
+"""Where errors of a request come from, in the words of a wish; a mask speaks of its joints alone."""
+
+Line = Callable[[int, str], int]
+"""Tells on which line of a file a wish sets a field, or stands."""
+
+
+def _named(wish: Wish, library: DanceLibrary, seed: int) -> Wish:
+    """Check a wish and give it a name and a seed, where it has none."""
+    if not (wish.participant or wish.name):
+        raise InputError("nobody is named", where="participant", remedy="give a participant or a name")
+    goal = wish.goal(library)
+    name = wish.name or goal.condition
+    drawn = int(stream(seed, "cohort", wish.participant, name).integers(_MOST))
+    return wish.model_copy(update={"name": name, "seed": drawn if wish.seed is None else wish.seed})
+
+
+def _key(wish: Wish) -> tuple[str, str]:
+    return wish.participant.casefold(), wish.name.casefold()  # some disks see no capitals
+
+
+def _require_new(wish: Wish, lines: Mapping[tuple[str, str], int]) -> None:
+    if _key(wish) in lines:
+        raise InputError(
+            f'"{wish.name}" is wished for already on line {lines[_key(wish)]}',
+            where="name",
+            remedy="give each dance of a participant a name of its own",
+        )
+
+
+class _Wishes(Part):
+    """Wishes as a file."""
+
+    dance: tuple[Wish, ...] = Field(default=(), description="one dance each")
+
+
+def _from_toml(path: Path) -> tuple[tuple[Wish, ...], Line]:
+    def line(number: int, field: str) -> int:
+        text = path.read_bytes().decode("utf-8-sig")
+        return line_of(text, ("dance", number, field)) or line_of(text, ("dance", number)) or 1
+
+    return read_model(path, _Wishes).dance, line
+
+
+def _from_csv(path: Path) -> tuple[tuple[Wish, ...], Line]:
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"cannot be read ({reason})", where=path, remedy="name a readable file") from None
+    except UnicodeDecodeError:
+        raise InputError("the file is not text", where=path, remedy="save it as CSV in UTF-8") from None
+    heading = text.partition("\n")[0]
+    table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=heading.count), strict=True)
+    wishes, lines = [], []
+    try:
+        columns = _columns([cell.strip() for cell in next(table, [])])
+        for cells in table:
+            if any(cell.strip() for cell in cells):
+                wishes.append(_of_row(columns, cells))
+                lines.append(table.line_num)
+    except csv.Error as error:
+        raise InputError(
+            f"no CSV ({error})", where=f"{path}, line {table.line_num}", remedy="save the table again"
+        ) from None
+    except InputError as error:
+        where = ", ".join(filter(None, (str(path), f"line {table.line_num}", error.where)))
+        raise InputError(error.problem, where=where, remedy=error.remedy) from None
+    return tuple(wishes), lambda number, _: lines[number]
+
+
+def _columns(heading: list[str]) -> list[str]:
+    for column in heading:
+        if column not in Wish.model_fields:
+            raise InputError(f'there is no column "{column}"', remedy=nearest(column, Wish.model_fields))
+    refuse_repeats(heading, what="column")
+    return heading
+
+
+def _of_row(columns: list[str], cells: list[str]) -> Wish:
+    if len(cells) > len(columns):
+        raise InputError(
+            f"{len(cells)} cells below {len(columns)} columns",
+            remedy="write lists such as joints with spaces between, or in quotes",
+        )
+    said = {column: cell.strip() for column, cell in zip(columns, cells, strict=False) if cell.strip()}
+    try:
+        return Wish.model_validate(said)
+    except ValidationError as error:
+        problem = error.errors(include_url=False)[0]
+        field = str(problem["loc"][0])
+        cause = problem.get("ctx", {}).get("error")
+        if isinstance(cause, InputError):
+            raise InputError(cause.problem, where=field, remedy=cause.remedy) from None
+        raise InputError(
+            f"cannot read {said[field]!r}",
+            where=field,
+            remedy=f"write {Wish.model_fields[field].description}",
+        ) from None
