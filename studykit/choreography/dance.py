@@ -169,7 +169,7 @@ class Dance:
                 "peak_rad_s": float(speeds[:, joint].max()),
                 "mean_rad_s": float(speeds[:, joint].mean()),
                 "energy": float(energies[joint]),
-                "limit_rad_s": limits.get(name, {}).get("speed_limit_rad_s"),
+                "limit_rad_s": limits.get(name, {}).get("speed_limits_rad_s"),
             }
             for joint, name in enumerate(self.motion.skeleton.joint_names)
         }

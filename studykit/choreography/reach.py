@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from studykit.choreography.cost.term import SegmentTerm
+from studykit.choreography.dance_library import CHAIN_SEGMENTS
 from studykit.choreography.goal import Block, Goal
 from studykit.choreography.measures import Measures
 from studykit.choreography.rjmcmc.annealing import Annealing
@@ -17,7 +19,7 @@ from studykit.core.seeding import stream
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 
 _PROBE = Annealing.geometric(iterations=10_000, start=0.1, end=1e-4, start_width=1.0)
-_ENERGY_WIDTH, _VARIETY_WIDTH = 0.5, 20.0
+_ENERGY_WIDTH, _VARIETY_WIDTH = 5.0, 20.0
 _CHAINS = 8
 
 
@@ -51,11 +53,12 @@ def nearest(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> Measures:
     """
     summed = tuple(term for term in goal.terms if isinstance(term, SegmentTerm))
     names = [term.name for term in summed]
+    far = _how_far(goal, repertoire)
     wide = replace(
         goal,
-        linear_tolerance=goal.linear_tolerance * (_ENERGY_WIDTH / 0.1),
-        rotational_tolerance=goal.rotational_tolerance * (_ENERGY_WIDTH / 0.1),
-        variety_tolerance=goal.variety_tolerance * _VARIETY_WIDTH,
+        linear_tolerance=max(_ENERGY_WIDTH * goal.linear_tolerance, far["linear"]),
+        rotational_tolerance=max(_ENERGY_WIDTH * goal.rotational_tolerance, far["rotational"]),
+        variety_tolerance=max(_VARIETY_WIDTH * goal.variety_tolerance, far["variety"]),
         weights={**goal.weights, "transition": 0.0, "mask": 0.0, **dict.fromkeys(names, 0.0)},
         terms=summed,
     )
@@ -69,6 +72,23 @@ def nearest(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> Measures:
             break
     assert best is not None  # noqa: S101  # there is a chain
     return best.measures
+
+
+def _how_far(goal: Goal, repertoire: Repertoire) -> dict[str, float]:
+    """Give how far goals lie from usual dances, on their scales: beyond, a narrower cost would be flat."""
+    calibration = repertoire.library.calibration
+    is_cosine = goal.preset.variety == "cosine"
+    varieties = calibration.chain_cosine_varieties if is_cosine else calibration.chain_varieties
+    far = {"variety": max(abs(block.variety - float(varieties.mean())) for block in goal.blocks)}
+    for name in ("linear", "rotational"):
+        usual = float(repertoire.values[name].mean())
+        each = [getattr(block, f"{name}_energy") / block.segments for block in goal.blocks]
+        is_log = goal.preset.intensity == "log"
+        far[name] = max(
+            abs(math.log(energy / usual)) if is_log else CHAIN_SEGMENTS * abs(energy - usual)
+            for energy in each
+        )
+    return far
 
 
 def _rank(goal: Goal, found: Found) -> tuple[int, float]:
