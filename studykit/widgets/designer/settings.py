@@ -24,7 +24,7 @@ SCHEDULES: Final = {
     "waves": "waves: easy and hard in turn",
     "warm-up": "warm-up, work, cool-down",
 }
-"""The courses that a dance can take, with their words."""
+"""The schedules that a dance can have, with their words."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -42,7 +42,7 @@ class Settings:
     transition : bool
         Whether joins are searched that are smooth.
     schedule : {"none", "hiit", "waves", "warm-up"}
-        Course of the dance.
+        Blocks of the dance that differ, if any.
     seed : int
         Other seeds give other dances.
     weights, speed_limits_rad_s : dict of str to float

@@ -39,7 +39,7 @@ FIXED: Final = {
         "variety": "easy, hard, easy",
     },
 }
-"""What the sliders do not set where a dance takes a course, and what the course has in its place."""
+"""What the sliders do not set where a dance has a schedule, and what the schedule has in its place."""
 
 
 class Source(Protocol):
@@ -84,7 +84,7 @@ class Workshop:
         self._source = source or Choreography()
 
     def scales(self) -> dict[str, Any]:
-        """Give the ends of the sliders, the words at their places, and what each course settles itself."""
+        """Give the ends of the sliders, the words at their places, and what each schedule settles itself."""
         plan = default_plan()
         return {
             **{name: list(ends) for name, ends in RANGES.items()},
@@ -123,7 +123,7 @@ class Workshop:
         return _tried(lambda: self._source.dance(goal, self.library, seed=seed, is_preview=is_preview))
 
     def settings_near(self, goal: Goal, settings: Settings) -> Settings:
-        """Set the sliders as near to a goal as they come; a course keeps its own levels."""
+        """Set the sliders as near to a goal as they come; a schedule keeps its own levels."""
         if settings.schedule != "none":
             return settings
         (block,) = goal.blocks
@@ -157,7 +157,10 @@ class Workshop:
         """Say what the sliders mean in numbers."""
         linear = sum(block.linear_energy for block in goal.blocks) * DEFAULT_BODY_MASS_KG
         rotational = sum(block.rotational_energy for block in goal.blocks) * DEFAULT_BODY_MASS_KG
-        return {"intensity": f"{linear:.1f} J linear, {rotational:.1f} J rotational"}
+        return {
+            "intensity": f"{linear:.1f} J linear, {rotational:.1f} J rotational",
+            "variety": "at 100 % segments differ like unrelated movements",
+        }
 
     def blocks(self, goal: Goal, dance: Dance) -> list[dict[str, Any]]:
         """Set the targets of each block beside what the dance has there."""
@@ -194,7 +197,7 @@ def _spared(settings: Settings) -> JointMask | tuple[()]:
 
 
 def _schedule(settings: Settings) -> Schedule | None:
-    """Give the course of the dance; what it leaves open comes from the sliders."""
+    """Give the blocks of the dance; what a schedule leaves open comes from the sliders."""
     if settings.schedule == "hiit":
         return hiit(variety=settings.variety)
     if settings.schedule == "waves":

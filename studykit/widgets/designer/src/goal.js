@@ -41,7 +41,7 @@ export class GoalForm {
       { class: "sk-form", "aria-label": "What the dance shall be like" },
       Object.values(this.sliders).map(({ row }) => row),
       element("label", { class: "sk-field" }, this.transition, "smooth joins"),
-      element("label", { class: "sk-ask" }, "Course", this.schedule),
+      element("label", { class: "sk-ask" }, "Schedule", this.schedule),
       element("div", { class: "sk-field" }, "Seed ", this.seed, ask("Another one", "another")),
       element("div", { class: "sk-controls" }, this.search, this.undoButton, this.redoButton),
       element("div", { class: "sk-controls" }, element("label", { class: "sk-field sk-wide" }, "Folder ", this.folder), this.save),
