@@ -1,6 +1,7 @@
 """The dance library on disk: build it from takes, make one up, fetch public ones, review, rate, open it."""
 
 from studykit.library.build import build as build
+from studykit.library.cohort import make_cohort as make_cohort
 from studykit.library.dance_file import read_dances as read_dances
 from studykit.library.dance_file import write_dances as write_dances
 from studykit.library.measure import Settings as Settings

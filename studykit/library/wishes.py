@@ -50,7 +50,8 @@ class Wish(Part):
     @field_validator("spare", mode="before")
     @classmethod
     def _separate_joints(cls, said: Any) -> Any:
-        return tuple(re.split(r"[\s;]+", said.strip())) if isinstance(said, str) else said
+        joints = re.split(r"[\s;]+", said.strip(" ;")) if isinstance(said, str) else said
+        return tuple(joints) if isinstance(joints, list) else joints
 
     @field_validator("participant", "name")
     @classmethod
@@ -140,7 +141,7 @@ def _named(wish: Wish, library: DanceLibrary, seed: int) -> Wish:
     if not (wish.participant or wish.name):
         raise InputError("nobody is named", where="participant", remedy="give a participant or a name")
     goal = wish.goal(library)
-    name = wish.name or goal.condition
+    name = wish.name or goal.condition.replace("schedule", wish.schedule or "schedule")
     drawn = int(stream(seed, "cohort", wish.participant, name).integers(_MOST))
     return wish.model_copy(update={"name": name, "seed": drawn if wish.seed is None else wish.seed})
 
