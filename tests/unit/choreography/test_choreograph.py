@@ -1,133 +1,188 @@
-"""From goals to dances on a made-up library: what is given, and what is refused."""
+"""From goals to dances on a made-up library: what is given, what is refused, and what stops it."""
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+import time
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from studykit.choreography.choreograph import choreograph, dance
-from studykit.choreography.dance import blended_measures
-from studykit.choreography.goal import goal, goals
-from studykit.choreography.preset import PAPER, STUDYKIT
-from studykit.choreography.rjmcmc.schedule import Schedule
+from studykit.choreography.choreograph import PATIENCE, choreograph, dance
+from studykit.choreography.cost.term import SegmentTerm, gaussian
+from studykit.choreography.preset import PAPER
+from studykit.choreography.reach import OutOfReachError
+from studykit.choreography.request import requested
+from studykit.choreography.rjmcmc import chain
+from studykit.choreography.rjmcmc.annealing import Annealing
+from studykit.choreography.schedule import BlockPlan
+from studykit.choreography.targets import goal, goals
 from studykit.core.errors import InputError
 from studykit.io.protocol_file import read_protocol
-from studykit.motion import energy, kinematics
+from studykit.motion import kinematics
+from studykit.motion.animation import animate
 from studykit.motion.blending import joined
+from studykit.motion.joint_mask import spare
 from studykit.protocol.condition import Condition
 
 PROTOCOL = read_protocol(Path(__file__).parents[3] / "protocols" / "dance-2x2x2.toml")
-SHORT = Schedule.geometric(iterations=1000, start=0.3, end=0.002, start_width=6.0)
+DANCING = sys.modules["studykit.choreography.choreograph"]  # the package gives the function of that name
+HAND = 23
 
 
 @pytest.fixture(scope="module")
-def library(made_library):
-    return made_library(16)
+def library(swinging):
+    return swinging(24)
 
 
-@pytest.fixture
-def reachable(library):
-    """Give a goal that the library reaches quickly."""
-    asked = goal(PROTOCOL.dance, Condition.parse("intense-easy-on"), library)
-    return replace(
-        asked,
-        linear_energy=8.0 * library.linear_energies.sum(axis=1).mean(),
-        rotational_energy=8.0 * library.rotational_energies.sum(axis=1).mean(),
-        weights=asked.weights | {"variety": 0.0},
-        preset=replace(STUDYKIT, schedule=SHORT),
+@pytest.fixture(scope="module")
+def reachable(library, within_reach):
+    """Give a goal of four segments that the library reaches quickly."""
+    return within_reach(requested(library, duration_s=16.0), library)
+
+
+@pytest.fixture(scope="module")
+def found(library, reachable):
+    return dance(reachable, library, seed=2)
+
+
+def tiny(preset, iterations: int, **changes):
+    annealing = Annealing(
+        temperatures=np.geomspace(0.2, 0.001, 5), widths=np.ones(5), stage_iterations=iterations // 5
     )
+    return replace(preset, annealing=annealing, preview=annealing, **changes)
 
 
-def test_a_dance_is_its_segments_joined(library, reachable) -> None:
-    found = dance(reachable, library, seed=2)
+# --- what is given ---------------------------------------------------------------------------------------
+
+
+def test_a_dance_is_its_segments_animated(library, found) -> None:
     rows = [segment.id for segment in found.segments]
-    blended = joined([library.motion(row) for row in rows])
-    assert np.array_equal(found.motion.rotations, blended.rotations)
+    moved = animate([library.motion(row) for row in rows])
+    assert np.array_equal(found.motion.rotations, moved.rotations)
+    assert np.array_equal(found.motion.root_positions, moved.root_positions)
     assert [segment.take for segment in found.segments] == [f"take-{row // 2}" for row in rows]
     assert [segment.start_s for segment in found.segments] == [4.0 * (row % 2) for row in rows]
     assert found.is_synthetic
+    assert not found.is_interrupted
     assert found.distinct_segments == len(set(rows))
+
+
+def test_a_dance_is_as_asked_and_says_what_it_costs(found, reachable) -> None:
+    assert found.asked == reachable.measures
+    assert len(found.motion) == 480
+    assert found.achieved.duration_s == 16.0
+    assert found.achieved.linear_energy == pytest.approx(found.asked.linear_energy, rel=0.05)
+    assert found.achieved.rotational_energy == pytest.approx(found.asked.rotational_energy, rel=0.05)
+    assert abs(found.achieved.variety - found.asked.variety) <= reachable.variety_tolerance
     assert found.cost_total == pytest.approx(
-        sum(reachable.weights[name] * cost for name, cost in found.cost_terms.items())
+        sum(found.weights[name] * cost for name, cost in found.cost_terms.items())
     )
+    assert found.weights == {name: reachable.weights[name] for name in found.cost_terms}
+    # Both chains are told; the dance may not be the cheapest of them, but it is one of them.
+    assert len(found.chain_costs) == reachable.preset.chains
+    assert found.cost_total in found.chain_costs
+    assert found.variety_error == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_dance_says_which_segments_are_mirrored_and_who_set_its_targets(library, reachable) -> None:
-    sides = library.segments.assign(mirrored=np.arange(16) % 3 == 0)
+def test_blocks_are_met_one_by_one(library, within_reach) -> None:
+    plans = (BlockPlan(duration_s=16.0), BlockPlan(duration_s=16.0))
+    level = within_reach(requested(library, schedule=plans), library)
+    calm, wild = level.blocks
+    aims = tuple(
+        replace(
+            block,
+            linear_energy=factor * block.linear_energy,
+            rotational_energy=factor * block.rotational_energy,
+        )
+        for block, factor in ((calm, 1.0), (wild, 1.25))
+    )
+    found = dance(replace(level, blocks=aims), library, seed=1, is_preview=True)
+    assert len(found.blocks) == 2
+    for block, aim in zip(found.blocks, aims, strict=True):
+        assert block.asked == aim.measures
+        assert block.achieved.linear_energy == pytest.approx(aim.linear_energy, rel=0.05)
+        assert block.achieved.rotational_energy == pytest.approx(aim.rotational_energy, rel=0.05)
+    assert found.blocks[1].achieved.linear_energy > 1.1 * found.blocks[0].achieved.linear_energy
+
+
+def test_a_dance_says_which_segments_are_mirrored_and_who_set_its_targets(library, quick) -> None:
+    sides = library.segments.assign(mirrored=np.arange(24) % 3 == 0)
     rated = {
-        "linear_energy": {"light": 1.0, "intense": reachable.linear_energy},
-        "rotational_energy": {"light": 0.5, "intense": reachable.rotational_energy},
-        "variety": {"easy": 100.0, "hard": 150.0},
+        "linear_energy": {"light": 1.0, "intense": 8.0 * library.linear_energies.sum(axis=1).mean()},
+        "rotational_energy": {"light": 0.5, "intense": 8.0 * library.rotational_energies.sum(axis=1).mean()},
+        "variety": {"easy": 80.0, "hard": 150.0},
     }
     other = replace(library, segments=sides, calibration=replace(library.calibration, rated=rated))
     asked = goal(PROTOCOL.dance, Condition.parse("intense-easy-on"), other)
-    assert (asked.linear_energy, asked.variety) == (reachable.linear_energy, 100.0)
-    found = dance(replace(asked, preset=replace(STUDYKIT, schedule=SHORT)), other, seed=2)
+    found = dance(replace(asked, preset=quick), other, seed=2, is_preview=True)
+    assert found.asked.linear_energy == rated["linear_energy"]["intense"]
     assert [segment.mirrored for segment in found.segments] == [s.id % 3 == 0 for s in found.segments]
-    assert (found.targets_from, dance(reachable, library, seed=2).targets_from) == ("raters", "percentiles")
-    published = PROTOCOL.dance.model_copy(update={"preset": "paper"})
-    assert goal(published, Condition.parse("light-easy-on"), other).targets_from == "paper"
+    assert found.targets_from == "raters"
 
 
-def test_what_is_shown_is_measured_joins_included(library) -> None:
-    motion = joined([library.motion(0), library.motion(5)])
-    shown = blended_measures(motion, 12.0)
-    positions = kinematics.centred_positions(motion.skeleton, motion.rotations)
-    assert shown.linear_energy == pytest.approx(energy.linear_energy(positions, 30.0).sum())
-    assert shown.rotational_energy == pytest.approx(energy.rotational_energy(motion.rotations, 30.0).sum())
-    assert (shown.duration_s, shown.variety) == (8.0, 12.0)
-
-
-def test_the_digest_tells_dances_apart(library, reachable) -> None:
-    first, again = dance(reachable, library, seed=2), dance(reachable, library, seed=2)
-    other = dance(reachable, library, seed=3)
+def test_another_seed_is_another_dance_and_the_same_the_same(library, reachable) -> None:
+    first, again, other = (dance(reachable, library, seed=seed, is_preview=True) for seed in (2, 2, 3))
     assert first.sha256 == again.sha256 != other.sha256
-    assert replace(first, library_sha256="1" * 64).sha256 != first.sha256
-    assert replace(first, segments=first.segments[::-1]).sha256 != first.sha256
+    assert first.to_dict() == again.to_dict()
 
 
-def test_a_library_too_small_for_the_length_is_refused(made_library, reachable) -> None:
-    with pytest.raises(InputError, match=r"^made-up: the library has 7 segments, .* needs 8; add takes or"):
-        dance(replace(reachable, novelty=None), made_library(7))
+def test_a_spared_hand_stays_below_its_limit_in_what_is_shown(library, within_reach) -> None:
+    limit = float(np.quantile(library.peak_speeds[:, HAND], 0.6))
+    mask = spare("right_hand", speed_limits_rad_s=limit)
+    asked = within_reach(requested(library, duration_s=16.0, spare=mask), library)
+    found = dance(asked, library, seed=1)
+    peaks = kinematics.angular_speeds(found.motion.rotations, 30.0).max(axis=0)
+    assert peaks[HAND] <= limit
+    assert found.mask is asked.mask
+    assert all(library.peak_speeds[segment.id, HAND] <= limit for segment in found.segments)
+    assert found.achieved.linear_energy == pytest.approx(asked.measures.linear_energy, rel=0.05)
+    assert found.achieved.rotational_energy == pytest.approx(asked.measures.rotational_energy, rel=0.05)
+    # Wrong: the same goal without the mask uses segments in which the hand is faster.
+    free = dance(replace(asked, mask=None), library, seed=1, is_preview=True)
+    assert any(library.peak_speeds[segment.id, HAND] > limit for segment in free.segments)
 
 
-def test_goals_out_of_reach_are_refused_by_name(library, reachable) -> None:
-    far = replace(reachable, linear_energy=100.0 * reachable.linear_energy)
-    message = (
-        r"^made-up: 16 segments hold no dance of 32 s for intense-easy-on \(linear energy off by 9\d%\);"
+def test_the_paper_s_preset_gives_the_best_it_met(library, reachable, monkeypatch) -> None:
+    blends = []
+    monkeypatch.setattr(
+        DANCING, "animate", lambda motions, *, blend, **_: blends.append(blend) or joined(motions)
     )
-    with pytest.raises(InputError, match=message):
-        dance(far, library)
-
-
-def test_the_paper_s_preset_gives_the_best_it_met(library, reachable) -> None:
-    quick = Schedule(temperatures=np.linspace(1.0, 0.0, 11), widths=np.ones(11), stage_iterations=50)
     far = replace(
         reachable,
-        linear_energy=100.0 * reachable.linear_energy,
-        preset=replace(PAPER, schedule=quick),
+        blocks=tuple(replace(b, linear_energy=100.0 * b.linear_energy) for b in reachable.blocks),
+        preset=tiny(PAPER, 500),
     )
     found = dance(far, library, seed=1)
     assert found.preset == "paper"
-    assert 6 <= len(found.segments) <= 10
+    assert 2 <= len(found.segments) <= 6
+    assert len(found.chain_costs) == 1
     assert found.achieved.linear_energy < 0.1 * found.asked.linear_energy
-    bridged = joined([library.motion(segment.id) for segment in found.segments], blend="bridge")
-    assert np.array_equal(found.motion.rotations, bridged.rotations)
+    assert blends == ["bridge"]
+
+
+def test_a_first_look_is_shown_even_if_it_misses(library, reachable, monkeypatch) -> None:
+    monkeypatch.setattr(DANCING, "require_reachable", lambda *_, **__: None)
+    wild = replace(reachable, blocks=tuple(replace(b, linear_energy=50.0) for b in reachable.blocks))
+    shown = dance(wild, library, seed=1, is_preview=True)
+    assert shown.achieved.linear_energy < 0.5 * shown.asked.linear_energy
+    blended = joined([library.motion(segment.id) for segment in shown.segments])
+    assert np.array_equal(shown.motion.rotations, blended.rotations)
+    assert len(shown.chain_costs) == wild.preset.preview_chains
+    with pytest.raises(InputError, match="hold no dance"):
+        dance(wild, library, seed=1)
 
 
 def test_one_dance_a_condition_in_the_order_of_the_protocol(library, monkeypatch) -> None:
-    made = []
+    made, told = [], []
     monkeypatch.setattr(
-        # The package gives the function of the same name; the module is meant.
-        sys.modules["studykit.choreography.choreograph"],
-        "dance",
-        lambda wanted, _library, *, seed: made.append((wanted.condition, seed)) or wanted,
+        DANCING, "dance", lambda wanted, _library, *, seed: made.append((wanted.condition, seed)) or wanted
     )
-    told = []
 
     def progress(items, *, label, total):
         told.append((label, total))
@@ -137,3 +192,197 @@ def test_one_dance_a_condition_in_the_order_of_the_protocol(library, monkeypatch
     assert list(dances) == list(PROTOCOL.order.labels) == list(goals(PROTOCOL, library))
     assert made == [(label, 9) for label in PROTOCOL.order.labels]
     assert told == [("Choreographing", 8)]
+
+
+# --- what is refused -------------------------------------------------------------------------------------
+
+
+def test_a_library_too_small_for_the_length_is_refused(made_library, reachable) -> None:
+    varied = replace(reachable, blocks=tuple(replace(block, novelty=None) for block in reachable.blocks))
+    with pytest.raises(InputError, match=r"^made-up: the library has 3 segments, .* needs 4; add takes, ask"):
+        dance(varied, made_library(3))
+
+
+def test_a_goal_that_no_chain_meets_is_refused_after_patience(library, reachable, monkeypatch) -> None:
+    monkeypatch.setattr(DANCING, "require_reachable", lambda *_, **__: None)
+    tried = []
+    run = chain.Search.run
+    monkeypatch.setattr(chain.Search, "run", lambda search, rng: tried.append(rng) or run(search, rng))
+    far = replace(
+        reachable, blocks=tuple(replace(b, linear_energy=100.0 * b.linear_energy) for b in reachable.blocks)
+    )
+    sentence = (
+        r"^made-up: 24 segments hold no dance of 16 s for light-easy-on "
+        r"\(linear energy off by 9\d%.*\); add takes, or ask for a longer or less extreme dance in .*\.$"
+    )
+    with pytest.raises(InputError, match=sentence):
+        dance(far, library)
+    assert len(tried) == PATIENCE * reachable.preset.chains
+
+
+def test_a_hand_that_no_animation_holds_is_refused_by_name(library, within_reach, monkeypatch) -> None:
+    mask = spare("right_hand", speed_limits_rad_s=float(np.quantile(library.peak_speeds[:, HAND], 0.6)))
+    asked = within_reach(requested(library, duration_s=16.0, spare=mask), library)
+
+    def flailing(motions, **_):
+        motion = joined(motions)
+        rotations = np.array(motion.rotations)
+        rotations[100, HAND] = [0.0, 1.0, 0.0, 0.0]
+        return replace(motion, rotations=rotations)
+
+    monkeypatch.setattr(DANCING, "animate", flailing)
+    with pytest.raises(InputError, match=r"^made-up: right_hand turn faster than allowed in every dance"):
+        dance(asked, library)
+
+
+def test_a_dance_whose_joins_change_its_energy_gives_way_to_another(library, reachable, monkeypatch) -> None:
+    # The first of the dances found gains energy where it is joined; the next does not.
+    shown = []
+
+    def animated(motions, **_):
+        motion = joined(motions)
+        shown.append(motion)
+        if len(shown) > 1:
+            return motion
+        rotations = np.array(motion.rotations)
+        rotations[::2, 5] = [0.0, 1.0, 0.0, 0.0]
+        return replace(motion, rotations=rotations)
+
+    monkeypatch.setattr(DANCING, "animate", animated)
+    found = dance(reachable, library, seed=2)
+    assert len(shown) == 2
+    assert np.array_equal(found.motion.rotations, shown[1].rotations)
+
+
+# --- terms of one's own ----------------------------------------------------------------------------------
+
+
+class Late:
+    """How late in the library segments stand, 0 to 1: a term that adds up over segments."""
+
+    name, weight, target, tolerance = "late", 2.0, 0.8, 0.03
+
+    def values(self, library):
+        return np.linspace(0.0, 1.0, len(library))
+
+
+class Alternating:
+    """Even and odd segments take turns: nothing that adds up over segments."""
+
+    name, weight = "alternating", 3.0
+
+    def cost(self, measures, *, width=1.0):
+        row = [segment for block in measures.segments for segment in block]
+        same = sum(a % 2 == b % 2 for a, b in pairwise(row))
+        return gaussian(same, 0.5 * width)
+
+
+def lateness(found) -> float:
+    return float(np.mean([segment.id for segment in found.segments])) / 23.0
+
+
+def test_a_term_over_segments_steers_the_compiled_search(library, reachable) -> None:
+    assert isinstance(Late(), SegmentTerm)
+    steered = replace(reachable, terms=(Late(),))
+    known = chain.Repertoire(library, steered.preset, terms=steered.terms)
+    assert chain.Search(goal=steered, repertoire=known, annealing=steered.preset.annealing).is_compiled
+    for seed in (1, 2):
+        found = dance(steered, library, seed=seed, is_preview=True)
+        assert lateness(found) == pytest.approx(0.8, abs=2 * Late.tolerance)
+        assert found.cost_terms["late"] == pytest.approx(gaussian(lateness(found) - 0.8, 0.03), abs=1e-9)
+        assert found.weights["late"] == 2.0
+        assert "late" in found.trace[0].terms
+    # Without it, or without a weight, dances are not late.
+    free = np.mean([lateness(dance(reachable, library, seed=s, is_preview=True)) for s in range(4)])
+    assert abs(free - 0.8) > 4 * Late.tolerance
+
+
+def test_a_term_of_any_other_kind_is_searched_for_plainly(library, reachable) -> None:
+    taking_turns = replace(reachable, terms=(Alternating(),), preset=tiny(reachable.preset, 400))
+    known = chain.Repertoire(library, taking_turns.preset, terms=taking_turns.terms)
+    search = chain.Search(goal=taking_turns, repertoire=known, annealing=taking_turns.preset.preview)
+    assert not search.is_compiled
+    found = dance(taking_turns, library, seed=1, is_preview=True)
+    assert found.cost_terms["alternating"] == 0.0
+    assert found.weights["alternating"] == 3.0
+    costs = [row.best_cost for row in found.trace]
+    assert costs == sorted(costs, reverse=True)
+    assert costs[-1] < costs[0]
+    assert found.trace[-1].iteration == 400
+    # Without it, some dance has two alike in a row.
+    free = [dance(reachable, library, seed=seed, is_preview=True) for seed in range(4)]
+    assert not all(np.diff([segment.id % 2 for segment in one.segments]).all() for one in free)
+
+
+def test_a_term_with_values_that_are_no_numbers_is_refused(library, reachable) -> None:
+    class Broken(Late):
+        def values(self, library):
+            return np.full(len(library), np.nan)
+
+    with pytest.raises(
+        InputError, match=r"^the term late: .*; give one number for each of the 24 segments\.$"
+    ):
+        dance(replace(reachable, terms=(Broken(),)), library)
+
+
+# --- what stops it ---------------------------------------------------------------------------------------
+
+
+def test_ctrl_c_keeps_the_best_dance_so_far_and_says_so(library, reachable, monkeypatch) -> None:
+    run = chain.Search.run
+    asked = replace(reachable, preset=tiny(reachable.preset, 20, preview_chains=6, descends=False))
+    done = []
+
+    def interrupted(search, rng):
+        found = run(search, rng)
+        if search.annealing is asked.preset.annealing:
+            done.append(found)
+            if len(done) == 2:
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(0.2)
+        return found
+
+    monkeypatch.setattr(chain.Search, "run", interrupted)
+    found = dance(asked, library, seed=1, workers=1, is_preview=True)
+    assert found.is_interrupted
+    assert found.chain_costs == tuple(one.cost for one in done)
+    assert len(done) in (2, 3)  # what had begun is finished, the rest never is
+    assert found.cost_total in found.chain_costs
+    assert found.to_dict()["is_interrupted"]
+    assert len(found.motion) == 120 * len(found.segments)
+
+
+def test_ctrl_c_stops_a_plain_search_where_it_is(library, reachable) -> None:
+    class Watched(Alternating):
+        asked = 0
+
+        def cost(self, measures, *, width=1.0):
+            self.asked += 1
+            if self.asked == 500:
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(0.2)
+            return super().cost(measures, width=width)
+
+    term = Watched()
+    # Left alone, it would take minutes.
+    endless = replace(reachable, terms=(term,), preset=tiny(reachable.preset, 200_000, preview_chains=1))
+    found = dance(endless, library, seed=1, is_preview=True)
+    assert found.is_interrupted
+    assert term.asked < 5000
+    assert len(found.chain_costs) == 1
+    assert found.cost_total == found.chain_costs[0]
+
+
+def test_ctrl_c_before_any_dance_is_passed_on(library, reachable, monkeypatch) -> None:
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(DANCING, "require_reachable", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        dance(reachable, library)
+
+
+def test_nothing_is_shown_of_a_goal_out_of_reach_even_at_a_first_look(library, reachable) -> None:
+    far = replace(reachable, blocks=tuple(replace(b, variety=1000.0) for b in reachable.blocks))
+    with pytest.raises(OutOfReachError):
+        dance(far, library, is_preview=True)

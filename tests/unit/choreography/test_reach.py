@@ -5,12 +5,14 @@ from __future__ import annotations
 import pickle
 import sys
 from dataclasses import replace
-from itertools import product
+from itertools import combinations, combinations_with_replacement, product
 
 import numpy as np
 import pytest
 
 from studykit.choreography.choreograph import dance
+from studykit.choreography.dance_library import distances
+from studykit.choreography.goal import ENERGY_HIT
 from studykit.choreography.reach import OutOfReachError, nearest, require_reachable, variety_range
 from studykit.choreography.request import requested
 from studykit.choreography.rjmcmc.repertoire import Repertoire
@@ -83,6 +85,32 @@ def test_the_nearest_goal_can_be_danced(library, near) -> None:
             (tuple(segment.id for segment in found.segments),), is_exact=True
         )
     )
+
+
+@pytest.mark.parametrize("variety", [0.55, 0.68])
+def test_goals_are_let_pass_exactly_when_some_dance_meets_them(library, within_reach, variety) -> None:
+    # Four segments in any order: all 17,550 dances are looked at.
+    asked = within_reach(requested(library, duration_s=16.0, variety=variety), library)
+    known = Repertoire(library, asked.preset)
+    dances = np.array(list(combinations_with_replacement(range(24), 4)))
+    linear, rotational = (known.values[name][dances].sum(axis=1) for name in ("linear", "rotational"))
+    between = distances(library, "euclidean_z").table
+    varieties = np.mean([between[dances[:, a], dances[:, b]] for a, b in combinations(range(4), 2)], axis=0)
+    verdicts = []
+    for factor, tilt in product((0.6, 0.8, 1.0, 1.2, 1.5), (0.85, 1.0, 1.1)):
+        (block,) = asked.blocks
+        block = replace(
+            block,
+            linear_energy=factor * block.linear_energy,
+            rotational_energy=factor * tilt * block.rotational_energy,
+        )
+        is_hit = np.abs(linear / block.linear_energy - 1.0) <= ENERGY_HIT
+        is_hit &= np.abs(rotational / block.rotational_energy - 1.0) <= ENERGY_HIT
+        is_hit &= np.abs(varieties - block.variety) <= asked.variety_tolerance
+        one = replace(asked, blocks=(block,))
+        verdicts.append((not one.misses(nearest(one, known)), bool(is_hit.any())))
+    assert all(said == true for said, true in verdicts)
+    assert {true for _, true in verdicts} == {True, False}
 
 
 def test_no_other_dance_is_nearer_in_every_way(library, near) -> None:
