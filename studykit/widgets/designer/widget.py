@@ -205,15 +205,15 @@ class DanceDesigner(SparedJoints, MotionPlayer):
         agreed = next((goal for known, goal in self._agreed if known == settings), None)
         goal = agreed or self._workshop.goal(settings)
         if isinstance(goal, Obstacle):
-            self._refuse(goal)
+            self._refuse(goal, targets={})
             return
         dance = self._workshop.dance(goal, self.seed, is_preview=is_preview)
         if isinstance(dance, Obstacle):
-            self._refuse(dance)
+            self._refuse(dance, targets=self._workshop.targets(goal))
             return
         self._present(goal, dance, is_preview=is_preview)
 
-    def _refuse(self, obstacle: Obstacle) -> None:
+    def _refuse(self, obstacle: Obstacle, *, targets: dict[str, str]) -> None:
         self._goal = self._dance = None
         self._nearest = obstacle.nearest
         self.show(
@@ -223,6 +223,7 @@ class DanceDesigner(SparedJoints, MotionPlayer):
             found="",
             status="No dance is as asked.",
             obstacle={"sentence": obstacle.sentence, "has_offer": obstacle.nearest is not None},
+            targets=targets,
             blocks=[],
             segments=[],
             joint_report=[],

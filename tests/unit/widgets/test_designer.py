@@ -183,7 +183,7 @@ def test_out_of_reach_is_said_and_nothing_plays(library: DanceLibrary, source: S
         "has_offer": True,
     }
     assert (designer.found, designer.dance, designer.goal, len(designer.positions)) == ("", None, None, 0)
-    assert designer.blocks == []
+    assert (designer.blocks, designer.targets) == ([], {})
     designer.intensity = 0.0
     assert designer.obstacle == {
         "sentence": "intensity: no dance is as still; ask for 10.",
