@@ -16,7 +16,7 @@ from studykit.choreography import choreograph
 from studykit.choreography.choreograph import dance
 from studykit.choreography.dance import Dance
 from studykit.choreography.dance_library import DanceLibrary
-from studykit.choreography.goal import goals
+from studykit.choreography.targets import goals
 from studykit.core.errors import InputError
 from studykit.io.bvh import read_bvh
 from studykit.io.datasets.read import find_recipe
