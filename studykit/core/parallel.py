@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -28,3 +29,16 @@ def spread(
         delayed(work)(*job) for job in jobs
     )
     return results
+
+
+@contextmanager
+def one_core() -> Generator[None, None, None]:
+    """Let linear algebra use one core while this lasts.
+
+    Sums are rounded otherwise where their parts are taken on several cores. One core gives the same bytes on
+    machines with any number of them, and processes that run side by side do not get into each other's way.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield

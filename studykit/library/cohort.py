@@ -21,7 +21,7 @@ from studykit.choreography.goal import Goal
 from studykit.choreography.measures import Measures
 from studykit.core.durable import put
 from studykit.core.errors import InputError
-from studykit.core.parallel import spread
+from studykit.core.parallel import one_core, spread
 from studykit.core.progress import Progress, silent
 from studykit.library.dance_file import read_dance, write_dances
 from studykit.library.store import open_library
@@ -128,7 +128,7 @@ def _rows(
 
 
 def make_dance(wish: Wish, library: Path, sha256: str, out: Path) -> dict[str, Any]:
-    """Make one dance, unless it is there already, and tell what came of it: one row of the table.
+    """Make one dance on one core, unless it is there already, and tell what came of it: one row of the table.
 
     Parameters
     ----------
@@ -152,12 +152,10 @@ def make_dance(wish: Wish, library: Path, sha256: str, out: Path) -> dict[str, A
     try:
         goal = wish.goal(opened)
         is_there = (folder / f"{wish.name}.json").exists()
-        made = None if is_there else dance(goal, opened, seed=wish.seed or 0, workers=1)
+        made = None if is_there else _danced(goal, opened, wish.seed or 0)
     except InputError as error:
         return _row(wish, OUT_OF_REACH, reason=str(error))
     if made is not None:
-        if made.is_interrupted:
-            raise KeyboardInterrupt
         for part in folder.glob(f".{glob.escape(wish.name)}.*.partial"):  # of a process that was killed
             part.unlink(missing_ok=True)
         write_dances({wish.name: made}, folder)
@@ -169,6 +167,14 @@ def make_dance(wish: Wish, library: Path, sha256: str, out: Path) -> dict[str, A
     if made is None:
         write_dances({wish.name: kept}, folder)  # a view that was removed comes back
     return _row(wish, MADE) | _told(kept, goal)
+
+
+def _danced(goal: Goal, library: DanceLibrary, seed: int) -> Dance:
+    with one_core():
+        made = dance(goal, library, seed=seed, workers=1)
+    if made.is_interrupted:
+        raise KeyboardInterrupt
+    return made
 
 
 @lru_cache(maxsize=1)
