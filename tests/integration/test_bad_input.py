@@ -128,6 +128,57 @@ def test_a_duration_that_is_no_multiple_of_four_seconds(
     assert "32 s" in sentence
 
 
+SPARE = """[dance.spare]
+joints = ["right_elbow"]
+weight = 0.0
+speed_percentile = 50.0
+cost_weight = 0.2
+
+[session]"""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        # Goals of the whole protocol that no dance of the library meets, with what comes nearest
+        (
+            {"easy = 0.55": "easy = 1.9", "hard = 0.94": "hard = 2.0"},
+            ("light-easy-on", "variety cannot be had", "nearest is", "ask for that"),
+        ),
+        # Joints held so still that no segment is left
+        (
+            {"[session]": SPARE.replace("50.0", "1.0")},
+            ("right_elbow", "exceed their limits in every segment", "allow more"),
+        ),
+        ({"[session]": SPARE.replace("elbow", "ellbow")}, ('"right_ellbow"', 'write "right_elbow"')),
+        (
+            {"[session]": SPARE.replace("50.0", "-1.0")},
+            ("protocol.toml, line", "dance.spare.speed_percentile"),
+        ),
+        ({"[session]": SPARE.replace("weight = 0.0", "wait = 0.0")}, ("protocol.toml, line", "wait")),
+    ],
+)
+def test_a_protocol_whose_dances_cannot_be_had(
+    refused: Refused, little_library: Path, tmp_path: Path, wrong: dict[str, str], said: tuple[str, ...]
+) -> None:
+    text = default_protocol().read_text()
+    for right, other in wrong.items():
+        assert text.count(right) == 1
+        text = text.replace(right, other)
+    (tmp_path / "protocol.toml").write_text(text)
+    sentence = refused(
+        "choreograph",
+        "--library",
+        little_library,
+        "--protocol",
+        tmp_path / "protocol.toml",
+        "--out",
+        tmp_path / "dances",
+    )
+    assert all(words in sentence for words in said), sentence
+    assert not (tmp_path / "dances").exists()
+
+
 def test_a_folder_that_cannot_be_written(refused: Refused, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     sentence = refused("library", "sample", "--out", tmp_path / "file" / "library", "--segments", "10")
