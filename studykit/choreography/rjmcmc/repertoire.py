@@ -151,8 +151,8 @@ class Repertoire:
 
     def displacement(self, before: int, after: int) -> float:
         """Give how far the joints jump where one segment follows another (Eq. 3), m."""
-        jump = self.first_poses[after] - self.last_poses[before]
-        return float(np.linalg.norm(jump.astype(np.float64), axis=-1).mean())
+        jump = self.first_poses[after].astype(np.float64) - self.last_poses[before]
+        return float(np.linalg.norm(jump, axis=-1).mean())
 
     def same_movement(self, one: int, other: int) -> bool:
         """Tell whether two segments are the same, mirror images, or overlapping pieces of one take."""

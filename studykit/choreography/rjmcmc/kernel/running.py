@@ -97,7 +97,8 @@ def run(tables: Any, targets: Any, chances: Any, now: Any, annealing: Any, draws
                 kept.history[slot] = best
                 if is_over:
                     break
-        _write(targets, now, kept, stage, (float(stage * each + iteration + 1), cost, best, iteration + 1.0))
+        done = stage * each + iteration + 1
+        _write(tables, targets, now, kept, stage, (float(done), cost, best, iteration + 1.0))
         if is_over:
             break
     return best
@@ -112,7 +113,7 @@ def _keep(now: Any, kept: Any) -> None:
 
 
 @inlined
-def _write(targets: Any, now: Any, kept: Any, stage: int, told: Any) -> None:
+def _write(tables: Any, targets: Any, now: Any, kept: Any, stage: int, told: Any) -> None:
     """Write one row of the trace."""
     trace, blocks = kept.trace, now.counts.shape[0]
     segments = 0
@@ -124,6 +125,7 @@ def _write(targets: Any, now: Any, kept: Any, stage: int, told: Any) -> None:
     for move in range(3):
         if kept.tried[move] > 0.0:
             trace[stage, 5 + move] = kept.taken[move] / kept.tried[move]
+    measure(tables, now)  # what has no weight is not carried along
     weigh(targets, now, 1.0)
     terms = targets.weights.shape[0]
     for term in range(terms):

@@ -27,7 +27,7 @@ def distance(tables: Any, a: int, b: int) -> float:
         return tables.distances[a, b]
     total = 0.0
     for axis in range(tables.coordinates.shape[1]):
-        step = np.float64(tables.coordinates[a, axis] - tables.coordinates[b, axis])
+        step = np.float64(tables.coordinates[a, axis]) - np.float64(tables.coordinates[b, axis])
         total += step * step
     return math.sqrt(total + tables.residuals[a] + tables.residuals[b])
 
@@ -37,9 +37,9 @@ def displacement(tables: Any, before: int, after: int) -> float:
     """Give Eq. 3."""
     total = 0.0
     for joint in range(tables.first_poses.shape[2]):
-        x = np.float64(tables.first_poses[after, 0, joint] - tables.last_poses[before, 0, joint])
-        y = np.float64(tables.first_poses[after, 1, joint] - tables.last_poses[before, 1, joint])
-        z = np.float64(tables.first_poses[after, 2, joint] - tables.last_poses[before, 2, joint])
+        x = np.float64(tables.first_poses[after, 0, joint]) - np.float64(tables.last_poses[before, 0, joint])
+        y = np.float64(tables.first_poses[after, 1, joint]) - np.float64(tables.last_poses[before, 1, joint])
+        z = np.float64(tables.first_poses[after, 2, joint]) - np.float64(tables.last_poses[before, 2, joint])
         total += math.sqrt(x * x + y * y + z * z)
     return total / tables.first_poses.shape[2]
 
