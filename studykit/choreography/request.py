@@ -11,7 +11,7 @@ from studykit.choreography.goal import Goal
 from studykit.choreography.preset import PRESETS
 from studykit.choreography.schedule import BlockPlan, Schedule
 from studykit.choreography.schedule import schedule as ready_made
-from studykit.choreography.targets import limited, scheduled
+from studykit.choreography.targets import limited, scheduled, spared_by
 from studykit.core.errors import InputError
 from studykit.motion.joint_mask import JointMask
 from studykit.motion.joint_mask import spare as spared
@@ -50,7 +50,8 @@ def requested(  # noqa: PLR0913 - as many words as a wish has
         Whether joins shall be smooth.
     spare : str, sequence of str, or JointMask
         Joints that are to be spared, with all beyond them: "right_elbow" means the forearm and the hand. Each
-        stays below what it does in the middle segment of the library, unless a mask says otherwise.
+        stays below what it does in the middle segment of the library, unless a mask says otherwise. If none
+        is named, those of the plan.
     schedule : str, tuple of BlockPlan, or None
         Blocks that differ, instead of one duration, intensity and variety: "hiit", "waves", "warm-up", or
         your own; see `choreography.schedule`.
@@ -72,20 +73,19 @@ def requested(  # noqa: PLR0913 - as many words as a wish has
     if transition not in get_args(Transition):
         raise InputError(f'there is no "{transition}"', where="transition", remedy="choose on or off")
     plan = plan or default_plan()
+    words = [word if isinstance(word, str) else f"{word:g}" for word in (intensity, variety)]
+    if schedule is not None:
+        words = [schedule if isinstance(schedule, str) else "schedule"]
     if isinstance(schedule, str):
         schedule = ready_made(schedule)
     if schedule is None:
         blocks: Schedule = (BlockPlan(duration_s=duration_s, intensity=intensity, variety=variety),)
     else:
         blocks = tuple(schedule)
-    mask = spare if isinstance(spare, JointMask) else spared(spare) if spare else None
-    if mask is not None:
-        mask = limited(mask, library, SPEED_PERCENTILE)
-    words = (
-        ["schedule"]
-        if schedule is not None
-        else [word if isinstance(word, str) else f"{word:g}" for word in (intensity, variety)]
-    )
+    mask = spared_by(plan, library)
+    if isinstance(spare, JointMask) or spare:
+        named = spare if isinstance(spare, JointMask) else spared(spare)
+        mask = limited(named, library, SPEED_PERCENTILE)
     return scheduled(
         plan, blocks, library, name="-".join([*words, transition]), mask=mask, terms=tuple(terms)
     )

@@ -54,12 +54,15 @@ def goal(plan: DancePlan, condition: Condition, library: DanceLibrary) -> Goal:
     blocks = (
         BlockPlan(duration_s=plan.duration_s, intensity=condition.intensity, variety=condition.variety),
     )
-    mask = None
-    if plan.spare is not None:
-        mask = limited(
-            spare(plan.spare.joints, weights=plan.spare.weight), library, plan.spare.speed_percentile
-        )
-    return scheduled(plan, blocks, library, name=str(condition), mask=mask)
+    return scheduled(plan, blocks, library, name=str(condition), mask=spared_by(plan, library))
+
+
+def spared_by(plan: DancePlan, library: DanceLibrary) -> JointMask | None:
+    """Give the joints that every dance of a plan spares, if any."""
+    if plan.spare is None:
+        return None
+    mask = spare(plan.spare.joints, weights=plan.spare.weight)
+    return limited(mask, library, plan.spare.speed_percentile)
 
 
 def limited(mask: JointMask, library: DanceLibrary, percentile: float) -> JointMask:

@@ -11,6 +11,7 @@ from studykit.choreography.targets import goals, scheduled
 from studykit.core.errors import InputError
 from studykit.io.protocol_file import default_protocol, read_protocol
 from studykit.motion.joint_mask import JointMask, spare
+from studykit.protocol.study_protocol import DancePlan
 
 ELBOW = ("right_elbow", "right_wrist", "right_hand")
 
@@ -61,6 +62,19 @@ def test_a_mask_keeps_the_limits_it_has(library) -> None:
     assert asked.mask.to_dict() == mask.to_dict()
     assert requested(library, spare=()).mask is None
     assert requested(library, spare=[]).mask is None
+
+
+def test_what_a_protocol_spares_is_spared_unless_other_joints_are_named(library) -> None:
+    said = {"joints": ["left_knee"], "weight": 0.5, "speed_percentile": 30.0, "cost_weight": 0.4}
+    plan = DancePlan.model_validate(default_plan().model_dump() | {"spare": said})
+    asked = requested(library, plan=plan)
+    assert asked.mask is not None
+    assert asked.mask.spared == ("left_knee", "left_ankle", "left_foot")
+    assert asked.mask.speed_limits_rad_s[4] == pytest.approx(np.percentile(library.peak_speeds[:, 4], 30.0))
+    assert asked.weights["mask"] == 0.4
+    other = requested(library, plan=plan, spare="right_elbow")
+    assert other.mask is not None
+    assert other.mask.spared == ELBOW
 
 
 def test_a_schedule_takes_the_place_of_one_block(library) -> None:
