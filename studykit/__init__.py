@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from studykit import reports as reports
     from studykit import widgets as widgets
     from studykit.choreography import choreograph as choreograph
+    from studykit.choreography.choreograph import dance as dance
+    from studykit.choreography.request import requested as requested
     from studykit.choreography.targets import goals as goals
     from studykit.io.protocol_file import read_protocol as read_protocol
     from studykit.library import open_library as open_library
@@ -32,10 +34,12 @@ __version__ = "0.1.0"
 _ROOMS = ("analysis", "figures", "library", "protocol", "reports", "widgets")
 _NAMES = {
     "choreograph": "studykit.choreography",
+    "dance": "studykit.choreography.choreograph",
     "goals": "studykit.choreography.targets",
     "open_library": "studykit.library",
     "open_study": "studykit.session",
     "read_protocol": "studykit.io.protocol_file",
+    "requested": "studykit.choreography.request",
 }
 __all__ = ["__version__", *_ROOMS, *_NAMES]  # noqa: PLE0604 - names only
 

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from studykit.core.errors import InputError
+from studykit.core.errors import InputError, nearest
 from studykit.protocol.condition import ALL_CONDITIONS, Intensity, Transition, Variety
-from studykit.protocol.part import nearest
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -154,7 +154,7 @@ def _require_segments(goal: Goal, known: Repertoire) -> None:
 def _searched(goal: Goal, known: Repertoire, *, seed: int, is_preview: bool, workers: int | None) -> _Outcome:
     """Run chains until one hits all goals; whole batches, so that the number of cores changes nothing."""
     preset = goal.preset
-    search = Search(goal=goal, repertoire=known, annealing=preset.preview if is_preview else preset.annealing)
+    search = Search.sized(goal, known, preset.preview if is_preview else preset.annealing)
     chains = preset.preview_chains if is_preview else preset.chains
     batches = PATIENCE if preset.is_reached and not is_preview else 1
     found: list[Found] = []
@@ -204,7 +204,13 @@ def _shown(
     held = () if goal.mask is None else tuple(known.protected.tolist())
     shown: list[tuple[float, Found, Motion]] = []
     for one in alike:
-        motion = animate(_motions(known, one), blend=goal.preset.blend, stage_m=stage_m, held=held)
+        motion = animate(
+            _motions(known, one),
+            blend=goal.preset.blend,
+            is_cleaned=goal.preset.is_cleaned,
+            stage_m=stage_m,
+            held=held,
+        )
         if goal.preset.is_reached and not _is_spared(goal, motion):
             continue
         off = _off_when_shown(goal, motion)

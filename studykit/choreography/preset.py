@@ -47,6 +47,8 @@ class Preset:
         Whether each search ends with a descent: single segments and pairs are changed while that helps.
     blend : {"offset", "bridge"}
         How segments are joined; see `motion.blending.joined`.
+    is_cleaned : bool
+        Whether joins are smoothed and standing feet held; see `motion.animation.animate`.
     is_reached : bool
         Whether its targets can be reached: a dance that misses them is then an error, not a result.
     """
@@ -66,6 +68,7 @@ class Preset:
     preview_chains: int
     descends: bool
     blend: Blend
+    is_cleaned: bool
     is_reached: bool
 
 
@@ -85,6 +88,7 @@ STUDYKIT = Preset(
     preview_chains=2,
     descends=True,
     blend="offset",
+    is_cleaned=True,
     is_reached=True,
 )
 """The reading whose targets are reached."""
@@ -105,6 +109,7 @@ PAPER = Preset(
     preview_chains=1,
     descends=False,
     blend="bridge",
+    is_cleaned=False,
     is_reached=False,
 )
 """The printed formulas, constants and search, but for a bound on the length, without which it diverges."""

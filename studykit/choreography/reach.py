@@ -62,7 +62,7 @@ def nearest(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> Measures:
         weights={**goal.weights, "transition": 0.0, "mask": 0.0, **dict.fromkeys(names, 0.0)},
         terms=summed,
     )
-    search = Search(goal=wide, repertoire=repertoire, annealing=_PROBE)
+    search = Search.sized(wide, repertoire, _PROBE)
     best: Found | None = None
     for chain in range(_CHAINS):
         found = search.run(stream(seed, "reach", goal.condition, chain))

@@ -273,6 +273,7 @@ def _measured(splice: _Splice, mask: JointMask) -> DanceLibrary:
             linear_energy=arrays["linear_energies"].sum(axis=1),
             rotational_energy=arrays["rotational_energies"].sum(axis=1),
             spliced_from=_told(splice),
+            licence=_licences(splice),
         ),
         rotations=_Changed(library.rotations, is_new, splice.rotations),
         root_positions=_Changed(library.root_positions, is_new, splice.root_positions),
@@ -306,6 +307,16 @@ def _arrays(splice: _Splice) -> dict[str, Floats]:
         arrays["first_poses"][rows] = kinematics.facing_ahead(positions[:, 0])
         arrays["last_poses"][rows] = kinematics.facing_ahead(positions[:, -1])
     return arrays
+
+
+def _licences(splice: _Splice) -> list[str]:
+    """Give the licences that every segment is under: its own and those of its arms."""
+    own = splice.library.segments["licence"].to_numpy()
+    under = [[licence] for licence in own]
+    for donors in splice.donors.values():
+        for row in np.flatnonzero(donors >= 0):
+            under[row].append(own[donors[row]])
+    return ["; ".join(dict.fromkeys(licences)) for licences in under]
 
 
 def _told(splice: _Splice) -> list[str]:

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from studykit.core.errors import InputError
-from studykit.protocol.part import nearest
+from studykit.core.errors import InputError, nearest
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails

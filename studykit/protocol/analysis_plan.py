@@ -7,8 +7,8 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from studykit.core.errors import InputError
-from studykit.protocol.part import Part, nearest, refuse_repeats
+from studykit.core.errors import InputError, nearest
+from studykit.protocol.part import Part, refuse_repeats
 
 OUTCOMES: tuple[str, ...] = (
     "heart_rate_mean_bpm",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import product
 from typing import Literal, get_args
 
-from studykit.core.errors import InputError
-from studykit.protocol.part import Part, nearest
+from studykit.core.errors import InputError, nearest
+from studykit.protocol.part import Part
 
 Intensity = Literal["light", "intense"]
 Variety = Literal["easy", "hard"]

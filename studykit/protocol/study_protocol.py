@@ -8,11 +8,11 @@ from typing import Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from studykit.core.errors import InputError
+from studykit.core.errors import InputError, nearest
 from studykit.core.provenance import sha256_of_value
 from studykit.protocol.analysis_plan import AnalysisPlan, CorrelationPlan, TestPlan
 from studykit.protocol.condition import Condition, Intensity, Transition, Variety
-from studykit.protocol.part import Part, nearest, refuse_repeats
+from studykit.protocol.part import Part, refuse_repeats
 
 SEGMENT_S = 4.0
 """Length of one piece of the dance library, in seconds; every dance is a whole number of them."""

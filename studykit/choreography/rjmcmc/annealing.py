@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,6 +45,10 @@ class Annealing:
     def iterations(self) -> int:
         """Number of iterations in all stages."""
         return len(self.temperatures) * self.stage_iterations
+
+    def longer(self, factor: int) -> Annealing:
+        """Give the same temperatures with so many times the iterations."""
+        return replace(self, stage_iterations=self.stage_iterations * factor)
 
     @classmethod
     def geometric(cls, *, iterations: int, start: float, end: float, start_width: float) -> Annealing:

@@ -12,7 +12,7 @@ import numpy as np
 from studykit.choreography.cost.block import BlockCost
 from studykit.choreography.cost.total import TotalCost
 from studykit.choreography.cost.transition import TransitionCost
-from studykit.choreography.dance_library import DENSE_LIMIT
+from studykit.choreography.dance_library import CHAIN_SEGMENTS, DENSE_LIMIT
 from studykit.choreography.goal import Goal
 from studykit.choreography.measures import Blocks, Measures
 from studykit.choreography.rjmcmc import reference
@@ -77,6 +77,12 @@ class Search:
     def objective(self) -> TotalCost:
         """The total cost that is lowered."""
         return self.goal.objective(self.repertoire.library)
+
+    @classmethod
+    def sized(cls, goal: Goal, repertoire: Repertoire, annealing: Annealing) -> Search:
+        """Give a search whose annealing, meant for a dance of 32 s, is as much longer as the dance."""
+        factor = max(1, math.ceil(goal.segments / CHAIN_SEGMENTS))
+        return cls(goal=goal, repertoire=repertoire, annealing=annealing.longer(factor))
 
     @property
     def is_compiled(self) -> bool:
