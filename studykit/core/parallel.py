@@ -6,6 +6,8 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
+from studykit.core.errors import InputError
+
 Result = TypeVar("Result")
 
 
@@ -22,13 +24,24 @@ def spread(
         What it is called with; only a few are taken ahead of those that are done.
     workers : int, optional
         Processes; if not given, what joblib's `parallel_config` says, for example a Dask cluster.
+
+    Raises
+    ------
+    InputError
+        If a process was ended from outside; what the work itself raises is raised here.
     """
+    from concurrent.futures.process import BrokenProcessPool
+
     from joblib import Parallel, delayed
 
-    results: Generator[Result, None, None] = Parallel(n_jobs=workers, return_as="generator")(
-        delayed(work)(*job) for job in jobs
-    )
-    return results
+    try:
+        yield from Parallel(n_jobs=workers, return_as="generator")(delayed(work)(*job) for job in jobs)
+    except BrokenProcessPool as error:
+        raise InputError(
+            "a process was ended from outside, perhaps for lack of memory",
+            where="--workers",
+            remedy="run the same again with fewer processes: it goes on where it was",
+        ) from error
 
 
 @contextmanager

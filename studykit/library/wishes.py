@@ -5,11 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from pydantic import Field, ValidationError, field_validator
 
@@ -115,17 +115,18 @@ def read_wishes(path: str | Path, library: DanceLibrary, *, seed: int = 0) -> tu
     wishes, line = _from_toml(path) if path.suffix.lower() == ".toml" else _from_csv(path)
     if not wishes:
         raise InputError("no dance is wished for", where=path, remedy="write a row for each")
-    lines: dict[tuple[str, str], int] = {}
+    seen: dict[tuple[str, str], int] = {}
     named = []
     for number, wish in enumerate(wishes):
         try:
             named.append(_named(wish, library, seed))
-            _require_new(named[-1], lines)
+            first = seen.setdefault(_key(named[-1]), number)
+            if first != number:
+                _refuse_again(named[-1], line(first, ""))
         except InputError as error:
             field = _FIELDS.get(error.where, error.where)
             where = f"{path}, line {line(number, field)}, {field}"
             raise InputError(error.problem, where=where, remedy=error.remedy) from error
-        lines[_key(named[-1])] = line(number, "")
     return tuple(named)
 
 
@@ -140,6 +141,13 @@ def _named(wish: Wish, library: DanceLibrary, seed: int) -> Wish:
     """Check a wish and give it a name and a seed, where it has none."""
     if not (wish.participant or wish.name):
         raise InputError("nobody is named", where="participant", remedy="give a participant or a name")
+    levels = sorted(wish.model_fields_set & {"duration_s", "intensity", "variety"})
+    if wish.schedule and levels:
+        raise InputError(
+            f"a schedule has lengths and levels of its own, not one {' and one '.join(levels)}",
+            where="schedule",
+            remedy="leave one or the other empty",
+        )
     goal = wish.goal(library)
     name = wish.name or goal.condition.replace("schedule", wish.schedule or "schedule")
     drawn = int(stream(seed, "cohort", wish.participant, name).integers(_MOST))
@@ -150,13 +158,12 @@ def _key(wish: Wish) -> tuple[str, str]:
     return wish.participant.casefold(), wish.name.casefold()  # some disks see no capitals
 
 
-def _require_new(wish: Wish, lines: Mapping[tuple[str, str], int]) -> None:
-    if _key(wish) in lines:
-        raise InputError(
-            f'"{wish.name}" is wished for already on line {lines[_key(wish)]}',
-            where="name",
-            remedy="give each dance of a participant a name of its own",
-        )
+def _refuse_again(wish: Wish, line: int) -> NoReturn:
+    raise InputError(
+        f'"{wish.name}" is wished for already on line {line}',
+        where="name",
+        remedy="give each dance of a participant a name of its own",
+    )
 
 
 class _Wishes(Part):
@@ -185,9 +192,9 @@ def _from_csv(path: Path) -> tuple[tuple[Wish, ...], Line]:
     table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=heading.count), strict=True)
     wishes, lines = [], []
     try:
-        columns = _columns([cell.strip() for cell in next(table, [])])
-        for cells in table:
-            if any(cell.strip() for cell in cells):
+        columns = _columns(_filled(next(table, [])))
+        for cells in map(_filled, table):
+            if cells:
                 wishes.append(_of_row(columns, cells))
                 lines.append(table.line_num)
     except csv.Error as error:
@@ -198,6 +205,14 @@ def _from_csv(path: Path) -> tuple[tuple[Wish, ...], Line]:
         where = ", ".join(filter(None, (str(path), f"line {table.line_num}", error.where)))
         raise InputError(error.problem, where=where, remedy=error.remedy) from None
     return tuple(wishes), lambda number, _: lines[number]
+
+
+def _filled(cells: list[str]) -> list[str]:
+    """Give the cells of a line without the empty ones that spreadsheets put behind them."""
+    stripped = [cell.strip() for cell in cells]
+    while stripped and not stripped[-1]:
+        stripped.pop()
+    return stripped
 
 
 def _columns(heading: list[str]) -> list[str]:
@@ -214,7 +229,7 @@ def _of_row(columns: list[str], cells: list[str]) -> Wish:
             f"{len(cells)} cells below {len(columns)} columns",
             remedy="write lists such as joints with spaces between, or in quotes",
         )
-    said = {column: cell.strip() for column, cell in zip(columns, cells, strict=False) if cell.strip()}
+    said = {column: cell for column, cell in zip(columns, cells, strict=False) if cell}
     try:
         return Wish.model_validate(said)
     except ValidationError as error:

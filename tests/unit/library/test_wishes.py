@@ -84,9 +84,10 @@ def test_a_row_is_a_wish_and_empty_cells_are_left_out(read: Read) -> None:
         CSV.replace(",", "\t"),
         CSV.replace(",", " , ").replace("\n", "\n\n"),
         CSV + ",,,,,,,,\n",
+        CSV.replace("\n", ",,\n"),
         CSV.replace("right_elbow left_knee", '"right_elbow; left_knee"'),
     ],
-    ids=["mark", "windows", "semicolons", "tabs", "spaces", "empty row", "quotes"],
+    ids=["mark", "windows", "semicolons", "tabs", "spaces", "empty row", "empty columns", "quotes"],
 )
 def test_however_a_spreadsheet_saves_it_it_is_the_same(read: Read, text: str) -> None:
     assert read(text) == read(CSV)
@@ -125,6 +126,10 @@ def test_dances_that_spare_the_same_joints_share_one_mask(read: Read, library: D
         ("P01,,inf,,,,,,", "line 2, duration_s: cannot read 'inf'"),
         ("P01,,,,,,right_elbo,,", 'line 2, spare: the body has no joint "right_elbo"; write "right_elbow"'),
         ("P01,,,,,,,tango,", 'line 2, schedule: there is no schedule "tango"; choose from hiit'),
+        (
+            "P01,,64,,,,,hiit,",
+            "line 2, schedule: a schedule has lengths and levels of its own, not one duration_s",
+        ),
         ("P01,,,,,,,,-1", "line 2, seed: cannot read '-1'"),
         ("P01,,,,,,,,1.5", "line 2, seed: cannot read '1.5'; write a whole number"),
         (",,,,,,,,3", "line 2, participant: nobody is named; give a participant or a name."),
