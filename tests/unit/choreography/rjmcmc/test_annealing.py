@@ -44,6 +44,15 @@ def test_presets_end_cold_at_the_true_tolerances(preset) -> None:
     assert preset.preview.iterations <= preset.annealing.iterations
 
 
+def test_a_longer_annealing_cools_more_slowly_to_the_same_end() -> None:
+    short = Annealing.geometric(iterations=2000, start=0.3, end=0.001, start_width=6.0)
+    longer = short.longer(3)
+    assert longer.iterations == 6000
+    assert np.array_equal(longer.temperatures, short.temperatures)
+    assert np.array_equal(longer.widths, short.widths)
+    assert Annealing.paper().longer(2).stop_below == 0.03
+
+
 def test_a_stage_has_a_temperature_and_a_width() -> None:
     with pytest.raises(ValueError, match="widths"):
         Annealing(temperatures=[0.2, 0.1], widths=[1.0], stage_iterations=5)
