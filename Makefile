@@ -37,7 +37,7 @@ test-browser: .venv/browser.stamp ## the widgets in JupyterLab in a real browser
 benchmark: .venv/dev.stamp ## measurements, no verdicts
 	$(BIN)/python -m pytest -m benchmark -n 0 $(ARGS)
 
-widgets: ## bundle the widgets' JavaScript again after changing it; needs Node.js
+widgets: ## bundle the JavaScript of widgets and pages again after changing it; needs Node.js
 	cd studykit/widgets/player && npm ci --no-audit --no-fund && npm run build
 
 lint: .venv/test.stamp ## style, types and layers only

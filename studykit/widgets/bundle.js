@@ -1,4 +1,4 @@
-/* studykit widgets, built by "make widgets"; sources b1d377df8afea0c98b2e4d26296f47428462d0f4427c01b5ac1c1d3261b48e32
+/* studykit widgets, built by "make widgets"; sources 6a1b7c3cffbd7bba56f6a7c26a426219084215fcc8bb816c3882ed4c422aa226
 
 Contains three.js (https://threejs.org):
 

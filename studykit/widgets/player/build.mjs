@@ -1,4 +1,5 @@
-// Bundles the sources of all widgets and three.js into one file that works without a network.
+// Bundles the sources of all widgets and three.js into one file that works without a network; and the player
+// alone, with its styles, into another, for pages that have no notebook around them.
 import { createHash } from "node:crypto";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { dirname, join, relative, sep } from "node:path";
@@ -25,24 +26,13 @@ const sources = readdirSync(widgets, { withFileTypes: true })
       return []; // a room without sources for the browser
     }
   })
-  .concat(join(here, "package-lock.json"), join(here, "build.mjs"))
+  .concat(join(here, "package-lock.json"), join(here, "build.mjs"), join(widgets, "style.css"))
   .map((path) => [relative(widgets, path).split(sep).join("/"), readFileSync(path)])
   .sort(([first], [second]) => (first < second ? -1 : 1));
 const digest = createHash("sha256");
 for (const [path, content] of sources) digest.update(path).update("\0").update(content).update("\0");
 
 const licence = readFileSync(join(here, "node_modules", "three", "LICENSE"), "utf8").trim();
-const made = await build({
-  entryPoints: [join(here, "src", "main.js")],
-  bundle: true,
-  format: "esm",
-  minify: true,
-  target: "es2022",
-  charset: "utf8",
-  legalComments: "none", // the whole licence stands in the banner
-  nodePaths: [join(here, "node_modules")], // for the sources in the other rooms
-  write: false,
-});
 const banner = `/* studykit widgets, built by "make widgets"; sources ${digest.digest("hex")}
 
 Contains three.js (https://threejs.org):
@@ -50,4 +40,22 @@ Contains three.js (https://threejs.org):
 ${licence}
 */
 `;
-writeFileSync(join(widgets, "bundle.js"), banner + made.outputFiles[0].text);
+
+async function bundle(entry, format, target) {
+  const made = await build({
+    entryPoints: [join(here, "src", entry)],
+    bundle: true,
+    format,
+    minify: true,
+    target: "es2022",
+    charset: "utf8",
+    loader: { ".css": "text" },
+    legalComments: "none", // the whole licence stands in the banner
+    nodePaths: [join(here, "node_modules")], // for the sources in the other rooms
+    write: false,
+  });
+  writeFileSync(target, banner + made.outputFiles[0].text);
+}
+
+await bundle("main.js", "esm", join(widgets, "bundle.js"));
+await bundle("page.js", "iife", join(dirname(widgets), "reports", "player.js"));

@@ -7,16 +7,23 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
+import studykit.reports
 import studykit.widgets
 
 WIDGETS = Path(studykit.widgets.__file__).parent
-BUNDLE = (WIDGETS / "bundle.js").read_text(encoding="utf-8")
+BUNDLES = {
+    path.name: path.read_text(encoding="utf-8")
+    for path in (WIDGETS / "bundle.js", Path(studykit.reports.__file__).parent / "player.js")
+}
 
 
 def sources() -> dict[str, bytes]:
-    """Give what the bundle is built from, by path."""
+    """Give what the bundles are built from, by path."""
     files = [path for folder in WIDGETS.glob("*/src") for path in folder.rglob("*") if path.is_file()]
-    files += [WIDGETS / "player" / "package-lock.json", WIDGETS / "player" / "build.mjs"]
+    files += [WIDGETS / "player" / name for name in ("package-lock.json", "build.mjs")]
+    files.append(WIDGETS / "style.css")
     return {path.relative_to(WIDGETS).as_posix(): path.read_bytes() for path in files}
 
 
@@ -28,23 +35,35 @@ def digest(files: dict[str, bytes]) -> str:
     return found.hexdigest()
 
 
-def test_the_bundle_was_built_from_these_sources() -> None:
-    assert digest(sources()) in BUNDLE.split("\n", 1)[0], 'run "make widgets"'
+@pytest.fixture(params=sorted(BUNDLES))
+def bundle(request: pytest.FixtureRequest) -> str:
+    """Give what runs in notebooks, and what runs in pages of dances."""
+    return BUNDLES[request.param]
 
 
-def test_a_changed_source_would_be_noticed() -> None:
+def test_the_bundle_was_built_from_these_sources(bundle: str) -> None:
+    assert digest(sources()) in bundle.split("\n", 1)[0], 'run "make widgets"'
+
+
+def test_a_changed_source_would_be_noticed(bundle: str) -> None:
     files = sources()
     assert len(files) >= 12
     for path in files:
-        assert digest(files | {path: files[path] + b" "}) not in BUNDLE.split("\n", 1)[0]
+        assert digest(files | {path: files[path] + b" "}) not in bundle.split("\n", 1)[0]
 
 
-def test_the_bundle_asks_nobody_for_anything() -> None:
-    code = BUNDLE.split("*/", 1)[1]
+def test_the_bundle_asks_nobody_for_anything(bundle: str) -> None:
+    code = bundle.split("*/", 1)[1]
     assert not re.search(r"\bimport\s*[\"'(]|\bfrom\s*[\"']https?:", code)
     own = b"\n".join(content for path, content in sources().items() if path.endswith(".js")).decode()
     own = own.replace('"http://www.w3.org/2000/svg"', "")  # a name that nobody is asked for
     assert not re.search(r"https?://|\bfetch\(|XMLHttpRequest|WebSocket|\beval\(", own)
+
+
+def test_the_bundle_of_pages_carries_its_styles_and_does_not_end_their_script() -> None:
+    code = BUNDLES["player.js"]
+    assert ".sk-stage" in code
+    assert not re.search(r"</script|<!--", code, re.IGNORECASE)
 
 
 def test_data_enter_the_page_as_text_only() -> None:
@@ -52,8 +71,8 @@ def test_data_enter_the_page_as_text_only() -> None:
     assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|DOMParser", own)
 
 
-def test_the_licence_of_what_is_bundled_comes_along() -> None:
-    banner = BUNDLE.split("*/", 1)[0]
+def test_the_licence_of_what_is_bundled_comes_along(bundle: str) -> None:
+    banner = bundle.split("*/", 1)[0]
     assert "three.js authors" in banner
     assert "Permission is hereby granted" in banner
 
