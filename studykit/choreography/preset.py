@@ -43,8 +43,9 @@ class Preset:
         Temperatures and tolerances over the iterations; the same for a first look.
     chains, preview_chains : int
         Searches from different beginnings, of which the best is taken.
-    descends : bool
-        Whether each search ends with a descent: single segments and pairs are changed while that helps.
+    descent : float
+        How much more the blocks' own terms count in the descent that ends each search, in which single
+        segments and pairs are changed while that helps; 0 leaves the descent out.
     blend : {"offset", "bridge"}
         How segments are joined; see `motion.blending.joined`.
     is_cleaned : bool
@@ -66,7 +67,7 @@ class Preset:
     preview: Annealing = field(hash=False)
     chains: int
     preview_chains: int
-    descends: bool
+    descent: float
     blend: Blend
     is_cleaned: bool
     is_reached: bool
@@ -82,11 +83,11 @@ STUDYKIT = Preset(
     acceptance="exact",
     copies=True,
     neighbour=0.3,
-    annealing=Annealing.geometric(iterations=40_000, start=0.3, end=0.001, start_width=6.0),
+    annealing=Annealing.geometric(iterations=60_000, start=0.3, end=0.001, start_width=6.0),
     preview=Annealing.geometric(iterations=10_000, start=0.3, end=0.001, start_width=6.0),
-    chains=8,
+    chains=16,
     preview_chains=2,
-    descends=True,
+    descent=5.0,
     blend="offset",
     is_cleaned=True,
     is_reached=True,
@@ -107,7 +108,7 @@ PAPER = Preset(
     preview=Annealing.paper(),
     chains=1,
     preview_chains=1,
-    descends=False,
+    descent=0.0,
     blend="bridge",
     is_cleaned=False,
     is_reached=False,

@@ -48,7 +48,7 @@ class Annealing:
 
     def longer(self, factor: int) -> Annealing:
         """Give the same temperatures with so many times the iterations."""
-        return replace(self, stage_iterations=self.stage_iterations * factor)
+        return self if factor == 1 else replace(self, stage_iterations=self.stage_iterations * factor)
 
     @classmethod
     def geometric(cls, *, iterations: int, start: float, end: float, start_width: float) -> Annealing:

@@ -185,7 +185,7 @@ def _compiled(
     cooling = (annealing.temperatures, annealing.widths, annealing.stop_below, STOP_TEMPERATURE)
     best = run(tables, targets, kernel_chances(moves), now, cooling, draws, kept)
     blocks = arrays.blocks(kept.segments, kept.counts)
-    if search.goal.preset.descends and math.isfinite(best):
+    if search.goal.preset.descent > 0.0 and math.isfinite(best):
         blocks = _descended(search, tables, targets, blocks, rng)
     names = ("duration", "variety", *repertoire.values, "transition")
     return blocks, _trace(kept.trace, annealing, names)
@@ -202,6 +202,9 @@ def _descended(
     from studykit.choreography.rjmcmc.kernel.running import descend
 
     repertoire = search.repertoire
+    targets = targets._replace(
+        weights=targets.weights * search.goal.preset.descent, blocks=targets.blocks.copy()
+    )
     size = repertoire.size
     candidates = np.arange(size)
     if size > DENSE_LIMIT:
