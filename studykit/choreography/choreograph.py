@@ -161,14 +161,17 @@ def _searched(goal: Goal, known: Repertoire, *, seed: int, is_preview: bool, wor
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
         for batch in range(batches):
             numbers = range(batch * chains, (batch + 1) * chains)
-            futures = [
-                pool.submit(search.run, stream(seed, "dance", goal.condition, chain)) for chain in numbers
-            ]
+            futures: list[Future[Found]] = []
             try:
+                futures.extend(
+                    pool.submit(search.run, stream(seed, "dance", goal.condition, chain)) for chain in numbers
+                )
                 found += [future.result() for future in futures]
             except KeyboardInterrupt:
                 search.stop.set()
                 found += _finished(futures)
+                if not found:
+                    raise
                 return _Outcome(found=tuple(found), is_interrupted=True)
             if any(not goal.misses(one.measures) for one in found):
                 break
