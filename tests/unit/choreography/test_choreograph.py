@@ -326,6 +326,15 @@ def test_a_term_with_values_that_are_no_numbers_is_refused(library, reachable) -
 # --- what stops it ---------------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def listening():
+    """Hear Ctrl-C, which processes in the background do not."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("listening")
 def test_ctrl_c_keeps_the_best_dance_so_far_and_says_so(library, reachable, monkeypatch) -> None:
     run = chain.Search.run
     asked = replace(reachable, preset=tiny(reachable.preset, 20, preview_chains=6, descent=0.0))
@@ -350,6 +359,7 @@ def test_ctrl_c_keeps_the_best_dance_so_far_and_says_so(library, reachable, monk
     assert len(found.motion) == 120 * len(found.segments)
 
 
+@pytest.mark.usefixtures("listening")
 def test_ctrl_c_stops_a_plain_search_where_it_is(library, reachable) -> None:
     class Watched(Alternating):
         asked = 0
