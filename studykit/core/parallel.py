@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
+from threading import Lock
 from typing import Any, TypeVar
 
 from studykit.core.errors import InputError
@@ -44,14 +45,41 @@ def spread(
         ) from error
 
 
+class _OneCore:
+    """Counts who needs one core, since the setting is the whole process's: the last one puts it back."""
+
+    def __init__(self) -> None:
+        self.lock = Lock()
+        self.users = 0
+        self.limits: Any = None
+
+    def enter(self) -> None:
+        from threadpoolctl import threadpool_limits
+
+        with self.lock:
+            if not self.users:
+                self.limits = threadpool_limits(limits=1, user_api="blas")
+            self.users += 1
+
+    def leave(self) -> None:
+        with self.lock:
+            self.users -= 1
+            if not self.users:
+                self.limits.restore_original_limits()
+
+
+_ONE_CORE = _OneCore()
+
+
 @contextmanager
 def one_core() -> Generator[None, None, None]:
-    """Let linear algebra use one core while this lasts.
+    """Let linear algebra use one core while this lasts, in any number of threads.
 
     Sums are rounded otherwise where their parts are taken on several cores. One core gives the same bytes on
     machines with any number of them, and processes that run side by side do not get into each other's way.
     """
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(limits=1, user_api="blas"):
+    _ONE_CORE.enter()
+    try:
         yield
+    finally:
+        _ONE_CORE.leave()

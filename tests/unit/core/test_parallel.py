@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 
+import numpy as np
 import pytest
-from threadpoolctl import threadpool_info
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from studykit.core.errors import InputError
 from studykit.core.parallel import one_core, spread
@@ -37,11 +38,18 @@ def test_what_the_work_raises_is_raised_here() -> None:
         list(spread(divmod, [(1, 1), (1, 0)], workers=2))
 
 
-def test_linear_algebra_keeps_to_one_core_for_a_while() -> None:
-    def cores() -> list[int]:
-        return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
+def cores() -> list[int]:
+    return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
 
-    before = cores()
-    with one_core():
+
+def test_linear_algebra_keeps_to_one_core_until_the_last_thread_has_done() -> None:
+    np.linalg.inv(np.eye(3))
+    with threadpool_limits(limits=2, user_api="blas"):
+        first, second = one_core(), one_core()
+        first.__enter__()
+        second.__enter__()
         assert set(cores()) == {1}
-    assert cores() == before
+        first.__exit__(None, None, None)
+        assert set(cores()) == {1}
+        second.__exit__(None, None, None)
+        assert set(cores()) == {2}
