@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal
 
 from studykit.choreography.rjmcmc.trace import TraceRow
 from studykit.core.provenance import sha256_of_value
 from studykit.motion import energy, kinematics
+from studykit.motion.blending import Blend
 from studykit.motion.joint_mask import JointMask
 from studykit.motion.motion import Motion
 from studykit.motion.segmentation import SEGMENT_FRAMES, SEGMENT_S
@@ -53,6 +54,35 @@ class DanceMeasures:
     def to_dict(self) -> dict[str, float]:
         """Give the measures by name."""
         return {name: getattr(self, name) for name in self.__slots__}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Animation:
+    """How segments become a movement; see `motion.animation.animate`.
+
+    Parameters
+    ----------
+    blend : {"offset", "bridge"}
+        How they are joined.
+    is_cleaned : bool
+        Whether joins are smoothed and standing feet held; a first look leaves that out.
+    stage_m : (float, float), m, or None
+        Width and depth that the dance keeps to.
+    """
+
+    blend: Blend
+    is_cleaned: bool
+    stage_m: tuple[float, float] | None = None
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Animation:
+        """Undo `dataclasses.asdict`, also after JSON."""
+        stage = values["stage_m"]
+        return cls(
+            blend=values["blend"],
+            is_cleaned=values["is_cleaned"],
+            stage_m=None if stage is None else (float(stage[0]), float(stage[1])),
+        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -105,6 +135,8 @@ class Dance:
         The library's digest.
     is_synthetic : bool
         Whether any segment was made up rather than danced by a person.
+    animation : Animation
+        How segments became the movement.
     is_interrupted : bool
         Whether the search was stopped before its end, and this is the best so far.
     version : int
@@ -131,6 +163,7 @@ class Dance:
     trace: tuple[TraceRow, ...]
     library_sha256: str
     is_synthetic: bool
+    animation: Animation
     is_interrupted: bool = False
     version: int = VERSION
 
@@ -141,13 +174,15 @@ class Dance:
 
     @property
     def sha256(self) -> str:
-        """Digest of what determines the movement: the library and the segments chosen."""
+        """Digest of what determines the movement: the library, the segments chosen, how they were joined."""
+        joined = {"animation": asdict(self.animation)} if self.version > 1 else {}
         return sha256_of_value(
             {
                 "version": self.version,
                 "condition": self.condition,
                 "library_sha256": self.library_sha256,
                 "segments": [segment.id for segment in self.segments],
+                **joined,
             }
         )
 
@@ -184,6 +219,7 @@ class Dance:
             "targets_from": self.targets_from,
             "is_synthetic": self.is_synthetic,
             "is_interrupted": self.is_interrupted,
+            "animation": asdict(self.animation),
             "asked": self.asked.to_dict(),
             "achieved": self.achieved.to_dict(),
             "achieved_blended": self.achieved_blended.to_dict(),
@@ -208,13 +244,14 @@ class Dance:
         """Undo `to_dict`; dances of version 1 had one block, spared nothing and told less of the search."""
         if values["version"] < VERSION:
             measures = {name: values[name] for name in DanceBlock.__slots__}
-            older = {
+            older: dict[str, Any] = {
                 "targets_from": "paper" if values["preset"] == "paper" else "percentiles",
                 "blocks": [measures],
                 "spared": None,
                 "chain_costs": [],
                 "variety_error": 0.0,
                 "is_interrupted": False,
+                "animation": {"blend": "offset", "is_cleaned": False, "stage_m": None},
             }
             cost = {"weights": {}, **values["cost"]}
             rows = [{"terms": {}, **row} for row in values["trace"]]
@@ -244,6 +281,7 @@ class Dance:
             trace=tuple(TraceRow(**row) for row in values["trace"]),
             library_sha256=values["library_sha256"],
             is_synthetic=values["is_synthetic"],
+            animation=Animation.from_dict(values["animation"]),
             is_interrupted=values["is_interrupted"],
             version=values["version"],
         )

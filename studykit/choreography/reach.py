@@ -18,9 +18,9 @@ from studykit.core.errors import InputError
 from studykit.core.seeding import stream
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 
-_PROBE = Annealing.geometric(iterations=10_000, start=0.1, end=1e-4, start_width=1.0)
+_PROBE = Annealing.geometric(iterations=20_000, start=0.1, end=1e-4, start_width=1.0)
 _ENERGY_WIDTH, _VARIETY_WIDTH = 5.0, 20.0
-_CHAINS = 8
+_CHAINS = 24
 
 
 class OutOfReachError(InputError):
@@ -45,7 +45,7 @@ class OutOfReachError(InputError):
         return made, ()
 
 
-def nearest(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> Measures:
+def nearest(goal: Goal, repertoire: Repertoire) -> Measures:
     """Find the measures nearest to a goal that segments of a repertoire can have together.
 
     Joins and further terms do not count, and tolerances are so wide that far is worse than near: what is
@@ -65,7 +65,7 @@ def nearest(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> Measures:
     search = Search.sized(wide, repertoire, _PROBE)
     best: Found | None = None
     for chain in range(_CHAINS):
-        found = search.run(stream(seed, "reach", goal.condition, chain))
+        found = search.run(stream(0, "reach", goal.condition, chain))
         if best is None or _rank(goal, found) < _rank(goal, best):
             best = found
         if not goal.misses(best.measures):
@@ -95,7 +95,7 @@ def _rank(goal: Goal, found: Found) -> tuple[int, float]:
     return len(goal.misses(found.measures)), found.cost
 
 
-def require_reachable(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> None:
+def require_reachable(goal: Goal, repertoire: Repertoire) -> None:
     """Refuse a goal that no dance of a repertoire meets, before any dance is searched for.
 
     Raises
@@ -103,7 +103,7 @@ def require_reachable(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> N
     OutOfReachError
         Says what is out of reach and what comes nearest.
     """
-    found = nearest(goal, repertoire, seed=seed)
+    found = nearest(goal, repertoire)
     missed = goal.misses(found)
     if not missed:
         return
@@ -140,7 +140,7 @@ def _words(pair: tuple[Block, Block]) -> str:
     )
 
 
-def variety_range(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> tuple[float, float]:
+def variety_range(goal: Goal, repertoire: Repertoire) -> tuple[float, float]:
     """Give the lowest and highest variety that dances of the energies asked for can have.
 
     Variety depends on energy: still dances are alike, and few segments move much.
@@ -148,5 +148,5 @@ def variety_range(goal: Goal, repertoire: Repertoire, *, seed: int = 0) -> tuple
     ends = []
     for factor in (0.0, 3.0):
         blocks = tuple(replace(block, variety=block.variety * factor + 1e-9) for block in goal.blocks)
-        ends.append(nearest(replace(goal, blocks=blocks), repertoire, seed=seed).variety)
+        ends.append(nearest(replace(goal, blocks=blocks), repertoire).variety)
     return min(ends), max(ends)

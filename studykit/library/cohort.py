@@ -21,7 +21,7 @@ from studykit.choreography.goal import Goal
 from studykit.choreography.measures import Measures
 from studykit.core.durable import put
 from studykit.core.errors import InputError
-from studykit.core.parallel import one_core, spread
+from studykit.core.parallel import spread
 from studykit.core.progress import Progress, silent
 from studykit.library.dance_file import read_dance, write_dances
 from studykit.library.store import open_library
@@ -170,8 +170,7 @@ def make_dance(wish: Wish, library: Path, sha256: str, out: Path) -> dict[str, A
 
 
 def _danced(goal: Goal, library: DanceLibrary, seed: int) -> Dance:
-    with one_core():
-        made = dance(goal, library, seed=seed, workers=1)
+    made = dance(goal, library, seed=seed, workers=1)
     if made.is_interrupted:
         raise KeyboardInterrupt
     return made

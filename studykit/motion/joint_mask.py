@@ -52,6 +52,17 @@ class JointMask:
         ):
             _require(limits > 0.0, name, limits, "say a number above 0, or none")
 
+    def _key(self) -> tuple[bytes, ...]:
+        return tuple(
+            getattr(self, name).tobytes() for name in ("weights", "speed_limits_rad_s", "angle_limits_rad")
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, JointMask) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
     @property
     def spared(self) -> tuple[str, ...]:
         """Names of the joints that are not free, in the order of the body."""

@@ -81,7 +81,7 @@ class Search:
     @classmethod
     def sized(cls, goal: Goal, repertoire: Repertoire, annealing: Annealing) -> Search:
         """Give a search whose annealing, meant for a dance of 32 s, is as much longer as the dance."""
-        factor = max(1, math.ceil(goal.segments / CHAIN_SEGMENTS))
+        factor = max(1, math.ceil(goal.segments / CHAIN_SEGMENTS)) if goal.preset.is_reached else 1
         return cls(goal=goal, repertoire=repertoire, annealing=annealing.longer(factor))
 
     @property

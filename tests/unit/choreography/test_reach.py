@@ -44,7 +44,7 @@ def no_chain(monkeypatch):
     def never(*_, **__):
         raise AssertionError("a search was begun")
 
-    monkeypatch.setattr(DANCING, "_searched", never)
+    monkeypatch.setattr(DANCING, "search", never)
 
 
 def test_a_goal_within_reach_is_let_pass(library, near) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studykit.choreography.dance import Dance, DanceBlock, DanceMeasures, DanceSegment, measured
+from studykit.choreography.dance import Animation, Dance, DanceBlock, DanceMeasures, DanceSegment, measured
 from studykit.choreography.rjmcmc.trace import TraceRow
 from studykit.figures import DanceStrip
 from studykit.motion import rotation
@@ -158,6 +158,7 @@ def made_dance() -> Callable[..., Dance]:
             ),
             "mask": None,
             "chain_costs": (0.2, 0.3, 0.25),
+            "animation": Animation(blend="offset", is_cleaned=True),
             "is_interrupted": False,
         }  # fmt: skip
         return Dance(**(values | changes))
