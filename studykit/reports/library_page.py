@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from studykit import figures
 from studykit.choreography.targets import goals
-from studykit.core.errors import InputError
 from studykit.core.seeding import stream
 from studykit.io.protocol_file import default_protocol, read_protocol
 from studykit.library import review, store
@@ -16,7 +14,7 @@ from studykit.library.calibrate import genres_beside, unit_readings
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.motion.segmentation import SEGMENT_S
 from studykit.reports.analyse import write
-from studykit.reports.page import embedded, filled, width_mm
+from studykit.reports.page import Picture, filled, picture
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,17 +24,6 @@ if TYPE_CHECKING:
 
 PAGE = "library.html"
 LISTED_TAKES = 60
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Picture:
-    """A figure of the page, or why it could not be drawn."""
-
-    title: str
-    caption: str
-    image: str = ""
-    width_mm: float = 0.0
-    problem: str = ""
 
 
 def library_page(library: str | Path) -> Path:
@@ -171,21 +158,8 @@ def _pictures(
             "The take with the most frames flagged, and what is left of it by either rule.",
         ),
     }
-    return [_picture(title, draw, caption) for title, (draw, caption) in drawings.items()]
+    return [picture(title, draw, caption) for title, (draw, caption) in drawings.items()]
 
 
 def _whole_numbers(table: pd.DataFrame) -> pd.DataFrame:
     return table.astype({name: int for name in table if str(name).startswith("segments_")})
-
-
-def _picture(title: str, draw: Any, caption: str) -> Picture:
-    try:
-        figure = draw()
-    except InputError as error:
-        return Picture(title=title, caption=caption, problem=str(error))
-    return Picture(
-        title=title,
-        caption=caption,
-        image=embedded(figure.file_bytes("svg")),
-        width_mm=width_mm(figure),
-    )

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+from studykit.core.errors import InputError
 from studykit.figures.style import MM_PER_INCH
 from studykit.reports import numbers
 
@@ -13,6 +16,17 @@ if TYPE_CHECKING:
     from studykit.figures.canvas import PaperFigure
 
 _FILTERS = ("number", "percent", "bounded", "p_value", "p_cell", "interval")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Picture:
+    """A figure of a page, or why it could not be drawn."""
+
+    title: str
+    caption: str
+    image: str = ""
+    width_mm: float = 0.0
+    problem: str = ""
 
 
 def filled(template: str, **values: Any) -> str:
@@ -47,3 +61,13 @@ def embedded(svg: bytes) -> str:
 def width_mm(figure: PaperFigure) -> float:
     """Give how wide a figure is."""
     return float(MM_PER_INCH * figure.get_figwidth())
+
+
+def picture(title: str, draw: Callable[[], PaperFigure], caption: str) -> Picture:
+    """Draw a figure for a page; what keeps it from being drawn is told in its place."""
+    try:
+        figure = draw()
+    except InputError as error:
+        return Picture(title=title, caption=caption, problem=str(error))
+    image = embedded(figure.file_bytes("svg"))
+    return Picture(title=title, caption=caption, image=image, width_mm=width_mm(figure))

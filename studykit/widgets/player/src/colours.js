@@ -2,6 +2,7 @@
 
 export const SIDES = { left: 0x0072b2, right: 0xe69f00, middle: 0x9a9a9a };
 export const GHOST = 0xcc79a7;
+export const SPARED = 0x009e73;
 
 // Anchors of viridis without its darkest part, which would vanish on a dark page.
 const SCALE = [0x3b528b, 0x31688e, 0x287c8e, 0x21918c, 0x20a486, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725];

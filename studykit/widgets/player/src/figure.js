@@ -10,7 +10,7 @@ import {
   SphereGeometry,
   Vector3,
 } from "three";
-import { GHOST, SIDES, shade } from "./colours.js";
+import { GHOST, SIDES, SPARED, shade } from "./colours.js";
 
 const BONE_M = 0.028;
 const TRUNK_M = 0.045;
@@ -19,15 +19,16 @@ const UP = new Vector3(0, 1, 0);
 
 export class Figure extends Group {
   /**
-   * @param body parents, sides and headJoint (-1 if there is none)
+   * @param body parents, sides, headJoint (-1 if there is none) and which joints are spared, if any
    * @param isGhost a second figure: see-through and of one colour
    */
   constructor(body, isGhost = false) {
     super();
-    const { parents, sides, headJoint } = body;
+    const { parents, sides, headJoint, spared = [] } = body;
     this.parents = parents;
     this.sides = sides;
     this.headJoint = headJoint;
+    this.spared = spared;
     this.bones = parents.map((parent, joint) => [parent, joint]).filter(([parent]) => parent >= 0);
     this.isGhost = isGhost;
     this.material = new MeshLambertMaterial({
@@ -45,19 +46,22 @@ export class Figure extends Group {
     this.colour([]);
   }
 
+  sideColour(joint) {
+    return this.spared[joint] ? SPARED : (SIDES[this.sides[joint]] ?? SIDES.middle);
+  }
+
   /** Colour by side; the joints by their values where there are values. */
   colour(values) {
     const highest = Math.max(...values, 0);
     this.hasValues = values.length > 0;
     const paint = new Color();
     this.parents.forEach((_, joint) => {
-      const side = SIDES[this.sides[joint]] ?? SIDES.middle;
+      const side = this.sideColour(joint);
       const own = this.hasValues ? shade(highest > 0 ? values[joint] / highest : 0) : side;
       this.balls.setColorAt(joint, paint.setHex(this.isGhost ? GHOST : own));
     });
     this.bones.forEach(([, joint], bone) => {
-      const side = SIDES[this.sides[joint]] ?? SIDES.middle;
-      this.rods.setColorAt(bone, paint.setHex(this.isGhost ? GHOST : side));
+      this.rods.setColorAt(bone, paint.setHex(this.isGhost ? GHOST : this.sideColour(joint)));
     });
     this.balls.instanceColor.needsUpdate = true;
     this.rods.instanceColor.needsUpdate = true;

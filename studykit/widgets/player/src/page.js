@@ -3,6 +3,9 @@ import styles from "../../style.css";
 import { element } from "./dom.js";
 import { Player } from "./player.js";
 
+const MANY = 20; // segments are more than one row holds
+const GAP_S = 0.1; // so that neighbours on the line of time can be told apart
+
 /** Values that can be listened to, as a widget's model has them in a notebook. */
 class Values {
   constructor(values) {
@@ -50,7 +53,7 @@ class Segments {
       chip.style.setProperty("--sk-letter", colour);
       return chip;
     });
-    this.element = element("div", { class: "sk-chips" }, this.chips);
+    this.element = element("div", { class: `sk-chips${segments.length > MANY ? " sk-many" : ""}` }, this.chips);
     this.element.style.setProperty("--sk-columns", segments.length);
   }
 
@@ -78,6 +81,7 @@ function begin() {
     is_mirrored: false,
     title: "",
     is_synthetic: false,
+    spared: [],
     positions: null,
     frame_rate_hz: 30,
     marks: [],
@@ -99,7 +103,11 @@ function begin() {
     sections[number].querySelector("[data-player]").replaceChildren(room);
     model.set("is_playing", false);
     model.set("time_s", 0);
-    for (const name of ["is_synthetic", "frame_rate_hz"]) model.set(name, values[name]);
+    for (const name of ["is_synthetic", "frame_rate_hz", "spared"]) model.set(name, values[name]);
+    model.set(
+      "marks",
+      values.segments.map(({ letter, start_s, stop_s, words }) => [start_s, stop_s - GAP_S, `${letter}: ${words}`, "note"]),
+    );
     model.set("positions", bytes(positions));
     queueMicrotask(() => segments.at(0));
   }

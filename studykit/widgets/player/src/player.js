@@ -1,5 +1,5 @@
 // The player: a stage, a line of time and the buttons. It plays on the browser's own clock.
-import { GHOST, SIDES, css, gradient } from "./colours.js";
+import { GHOST, SIDES, SPARED, css, gradient } from "./colours.js";
 import { PlayClock } from "./clock.js";
 import { button, choice, clockText, element, fill, hear, isTyping } from "./dom.js";
 import { Stage } from "./stage.js";
@@ -148,7 +148,8 @@ export class Player {
   load() {
     const { model, clock } = this;
     const parents = model.get("parents");
-    const body = { parents, sides: model.get("sides"), headJoint: model.get("head_joint") };
+    this.spared = model.get("spared") ?? [];
+    const body = { parents, sides: model.get("sides"), headJoint: model.get("head_joint"), spared: this.spared };
     const view = model.get("positions");
     const isNew = view !== this.view;
     this.view = view;
@@ -184,6 +185,7 @@ export class Player {
       return element("span", { class: "sk-entry" }, dot, words);
     };
     const entries = [entry(SIDES.left, "dancer's left"), entry(SIDES.right, "dancer's right")];
+    if (this.spared.some(Boolean)) entries.push(entry(SPARED, "spared"));
     if (this.ghost.length) entries.push(entry(GHOST, this.model.get("ghost_name")));
     if (values.length) {
       const bar = element("span", { class: "sk-bar", "aria-hidden": "true" });
