@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from studykit.choreography.dance import (
     Animation,
     Dance,
@@ -55,8 +57,7 @@ def choreograph(
         If the library cannot give a dance that is as asked (preset "studykit").
     """
     wanted = goals(protocol, library)
-    for goal in wanted.values():
-        _require_reachable(goal, library)  # all of them, before the first is searched for
+    require_dances(wanted, library)
     return {
         condition: dance(goal, library, seed=seed)
         for condition, goal in progress(wanted.items(), label="Choreographing", total=len(wanted))
@@ -118,6 +119,18 @@ def dance(  # noqa: PLR0913
         )
         chosen, motion = _shown(goal, known, outcome, animation, tries=1 if is_preview else _ANIMATED)
         return _dance(goal, known, chosen, motion, outcome, seed=seed, animation=animation)
+
+
+def require_dances(wanted: Mapping[str, Goal], library: DanceLibrary) -> None:
+    """Refuse goals of which one is out of reach, before the first is searched for.
+
+    Raises
+    ------
+    InputError
+        If the library is too small for one, or cannot reach it (`reach.OutOfReachError`).
+    """
+    for goal in wanted.values():
+        _require_reachable(goal, library)
 
 
 def _require_reachable(goal: Goal, library: DanceLibrary) -> Repertoire:

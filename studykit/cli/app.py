@@ -16,7 +16,7 @@ app = typer.Typer(
 )
 app.command("demo")(demo.demo)
 app.add_typer(library.app, name="library")
-app.command("choreograph")(choreograph.choreograph)
+app.command("choreograph", help=choreograph.HELP)(choreograph.choreograph)
 app.command("cohort", help=cohort.HELP)(cohort.cohort)
 app.add_typer(session.app, name="session")
 app.command("analyse")(analyse.analyse)

@@ -31,6 +31,11 @@ def say(text: str = "") -> None:
     print(text)
 
 
+def note(text: str) -> None:
+    """Print a line beside the results, on the error stream."""
+    print(text, file=sys.stderr)
+
+
 def as_json(value: Mapping[str, Any] | Sequence[Any]) -> None:
     """Print plain values for a machine."""
     json.dump(value, sys.stdout, indent=1, ensure_ascii=False)
