@@ -162,10 +162,16 @@ def _played(dances: Mapping[str, Dance], shown: Sequence[Mapping[str, Any]]) -> 
                 "is_synthetic": dance.is_synthetic,
                 "spared": [dance.mask is not None and name in dance.mask.spared for name in names],
                 "segments": [
-                    {key: segment[key] for key in ("letter", "colour", "start_s", "stop_s", "words")}
+                    {key: segment[key] for key in ("letter", "colour", "start_s", "stop_s")}
+                    | {"words": f"{segment['words']}{_in_block(segment, told['blocks'])}"}
                     for segment in told["segments"]
                 ],
             }
             for dance, told in zip(dances.values(), shown, strict=True)
         ],
     }
+
+
+def _in_block(segment: Mapping[str, Any], blocks: Sequence[Mapping[str, Any]]) -> str:
+    numbers = (number for number, block in enumerate(blocks, start=1) if segment["start_s"] < block["stop_s"])
+    return f"; block {next(numbers)}" if blocks else ""

@@ -183,7 +183,7 @@ def test_spared_joints_stand_beside_their_limits(made: Dance, page: Callable[...
     assert elbow["angle"] == pytest.approx(0.6, abs=0.01)
     assert (wrist["peak"], hand["limit"]) == (pytest.approx(0.0, abs=1e-6), 1.5)
     read = words(page(made))
-    assert f"right elbow {peak:.2f} rad/s ({np.degrees(peak):.0f}°/s) 1.50 rad/s (86°/s)" in read
+    assert f"right elbow 80 % {peak:.2f} rad/s ({np.degrees(peak):.0f}°/s) 1.50 rad/s (86°/s)" in read
     assert "Every spared joint stays below its limit; the right elbow comes nearest, at 80 %" in read
 
 
@@ -289,6 +289,8 @@ def test_several_dances_have_a_table_tabs_and_a_figure_of_all(made: Dance, page:
     assert "a dance of 12 s in 2 blocks" in read
     assert "2: 4–12 s 100.0 J 103.0 J 3.0 % above" in read
     assert re.findall(r'href="#dance-(\d)" data-tab="(\d)"', text) == [("1", "0"), ("2", "1")]
+    told = [segment["words"].rpartition("; ")[2] for segment in played(text)["dances"][1]["segments"]]
+    assert told == ["block 1", "block 2", "block 2"]
     assert text.count('<section class="dance"') == 2
     assert text.count("<figure>") == 11
     addresses = set(re.findall(r'href="#([^"]+)"', text))
