@@ -99,6 +99,7 @@ def facts(dance: Dance, body_mass_kg: float) -> dict[str, Any]:
     spared = spared_joints(dance)
     return {
         "title": style.title(dance),
+        "condition": dance.condition,
         "is_synthetic": dance.is_synthetic,
         "is_interrupted": dance.is_interrupted,
         "asked": _asked(dance, whole, body_mass_kg),

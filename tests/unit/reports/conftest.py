@@ -9,7 +9,14 @@ from shutil import copytree
 import numpy as np
 import pytest
 
-from studykit.choreography.dance import Dance, DanceMeasures, DanceSegment, blended_measures
+from studykit.choreography.dance import (
+    Animation,
+    Dance,
+    DanceBlock,
+    DanceMeasures,
+    DanceSegment,
+    blended_measures,
+)
 from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import write_dances
 from studykit.motion import rotation
@@ -49,8 +56,12 @@ def _dance(condition: str, number: int) -> Dance:
         asked=asked,
         achieved=shown,
         achieved_blended=shown,
+        blocks=(DanceBlock(asked=asked, achieved=shown, achieved_blended=shown),),
         cost_total=0.5,
         cost_terms={"duration": 0.5},
+        weights={"duration": 1.0},
+        chain_costs=(0.5,),
+        animation=Animation(blend="offset", is_cleaned=True),
         displacements_m=(0.05 if condition.endswith("-on") else 0.10,),
         trace=(),
         library_sha256="1" * 64,

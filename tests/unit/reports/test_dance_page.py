@@ -286,6 +286,7 @@ def test_several_dances_have_a_table_tabs_and_a_figure_of_all(made: Dance, page:
     text = page(made, replace(made, blocks=blocks, mask=None))
     read = words(text)
     assert "2 dances" in read
+    assert "dance 1: Intense – Easy, transition on" in read
     assert "a dance of 12 s in 2 blocks" in read
     assert "2: 4–12 s 100.0 J 103.0 J 3.0 % above" in read
     assert re.findall(r'href="#dance-(\d)" data-tab="(\d)"', text) == [("1", "0"), ("2", "1")]
