@@ -57,11 +57,12 @@ def choreograph(
         If the library cannot give a dance that is as asked (preset "studykit").
     """
     wanted = goals(protocol, library)
-    require_dances(wanted, library)
-    return {
-        condition: dance(goal, library, seed=seed)
-        for condition, goal in progress(wanted.items(), label="Choreographing", total=len(wanted))
-    }
+    with one_core():
+        known = {condition: _reachable(goal, library) for condition, goal in wanted.items()}
+        return {
+            condition: _danced(goal, known[condition], seed=seed)
+            for condition, goal in progress(wanted.items(), label="Choreographing", total=len(wanted))
+        }
 
 
 def dance(  # noqa: PLR0913
@@ -102,23 +103,44 @@ def dance(  # noqa: PLR0913
         was found (preset "studykit"; the preset "paper" gives the best it met).
     """
     with one_core():
-        known = _require_reachable(goal, library)
-        outcome = search(goal, known, seed=seed, is_preview=is_preview, workers=workers, progress=progress)
-        missed = goal.misses(outcome.ranked(goal)[0].measures)
-        if missed and goal.preset.is_reached and not is_preview and not outcome.is_interrupted:
-            off = ", ".join(f"{name} off by {share:.0%}" for name, share in missed.items())
-            raise InputError(
-                f"{len(library)} segments hold no dance of {goal.duration_s:g} s as {goal.condition} ({off})",
-                where=library.name,
-                remedy="add takes, or ask for a longer or less extreme dance in [dance]",
-            )
-        animation = Animation(
-            blend=goal.preset.blend,
-            is_cleaned=goal.preset.is_cleaned and not is_preview,
+        return _danced(
+            goal,
+            _reachable(goal, library),
+            seed=seed,
+            is_preview=is_preview,
+            workers=workers,
             stage_m=stage_m,
+            progress=progress,
         )
-        chosen, motion = _shown(goal, known, outcome, animation, tries=1 if is_preview else _ANIMATED)
-        return _dance(goal, known, chosen, motion, outcome, seed=seed, animation=animation)
+
+
+def _danced(  # noqa: PLR0913
+    goal: Goal,
+    known: Repertoire,
+    *,
+    seed: int,
+    is_preview: bool = False,
+    workers: int | None = None,
+    stage_m: tuple[float, float] | None = None,
+    progress: Progress = silent,
+) -> Dance:
+    outcome = search(goal, known, seed=seed, is_preview=is_preview, workers=workers, progress=progress)
+    missed = goal.misses(outcome.ranked(goal)[0].measures)
+    if missed and goal.preset.is_reached and not is_preview and not outcome.is_interrupted:
+        off = ", ".join(f"{name} off by {share:.0%}" for name, share in missed.items())
+        segments = len(known.library)
+        raise InputError(
+            f"{segments} segments hold no dance of {goal.duration_s:g} s as {goal.condition} ({off})",
+            where=known.library.name,
+            remedy="add takes, or ask for a longer or less extreme dance in [dance]",
+        )
+    animation = Animation(
+        blend=goal.preset.blend,
+        is_cleaned=goal.preset.is_cleaned and not is_preview,
+        stage_m=stage_m,
+    )
+    chosen, motion = _shown(goal, known, outcome, animation, tries=1 if is_preview else _ANIMATED)
+    return _dance(goal, known, chosen, motion, outcome, seed=seed, animation=animation)
 
 
 def require_dances(wanted: Mapping[str, Goal], library: DanceLibrary) -> None:
@@ -130,10 +152,10 @@ def require_dances(wanted: Mapping[str, Goal], library: DanceLibrary) -> None:
         If the library is too small for one, or cannot reach it (`reach.OutOfReachError`).
     """
     for goal in wanted.values():
-        _require_reachable(goal, library)
+        _reachable(goal, library)
 
 
-def _require_reachable(goal: Goal, library: DanceLibrary) -> Repertoire:
+def _reachable(goal: Goal, library: DanceLibrary) -> Repertoire:
     """Refuse what cannot be danced; give the segments that may be."""
     known = repertoire(library, goal.preset, goal.mask, goal.terms)
     most = max((block.segments for block in goal.blocks if block.novelty is None), default=1)

@@ -320,7 +320,8 @@ class SegmentDistances:
         self._metric = metric
         self._dense: Floats | None = None
         if len(library) <= DENSE_LIMIT:
-            between = self._measured(slice(None), slice(None))
+            everything = slice(None)
+            between = self._measured(everything, everything)
             self._dense = 0.5 * (between + between.T)  # products are not the same to the last digit
             np.fill_diagonal(self._dense, 0.0)
 
@@ -361,7 +362,8 @@ class SegmentDistances:
         return np.asarray(between[np.ix_(places, places)])
 
     def _measured(self, rows: Any, columns: Any) -> Floats:
-        first, second = self._vectors(rows), self._vectors(columns)
+        first = self._vectors(rows)
+        second = first if rows is columns else self._vectors(columns)
         products = np.asarray(first @ second.T, dtype=np.float64)
         if self._metric == "cosine":
             return 1.0 - products
