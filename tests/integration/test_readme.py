@@ -19,10 +19,16 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    designing, code = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     shutil.copytree(ROOT / "protocols", tmp_path / "protocols")
     make_sample(tmp_path / "libraries" / "synthetic")
     monkeypatch.chdir(tmp_path)
+
+    monkeypatch.syspath_prepend(ROOT)
+    designed: dict[str, Any] = {}
+    exec(designing, designed)
+    assert designed["dance"].condition == "intense-hard-on"
+    assert designed["dance"].cost_terms["legs"] < 0.2
 
     names: dict[str, Any] = {}
     compiled = compile(code, "README.md", "exec", flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
