@@ -29,7 +29,7 @@ test-fuzz: .venv/test.stamp ## a hundred thousand broken and hostile files for t
 	$(BIN)/python -m pytest -p no:benchmark -m fuzz -n $(WORKERS) tests/fuzz $(ARGS)
 
 test-smplx: .venv-smplx/smplx.stamp ## our joints beside those of the smplx package (brings torch, 1 GB)
-	.venv-smplx/bin/python -m pytest -rs tests/golden/test_smplx_joints.py tests/golden/test_smplx_model.py $(ARGS)
+	.venv-smplx/bin/python -m pytest -rs tests/golden/test_smplx_joints.py tests/golden/test_smplx_model.py tests/exports/test_amass.py $(ARGS)
 
 test-browser: .venv/browser.stamp ## the widgets in JupyterLab in a real browser; needs a Chromium
 	$(BIN)/python -m pytest -p no:benchmark -m browser -n 0 -rs tests/browser $(ARGS)

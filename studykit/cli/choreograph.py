@@ -98,6 +98,7 @@ def choreograph(
     read = read_protocol(protocol or default_protocol())
     plan = _changed(read.dance, duration, preset, weight or [])
     opened = open_library(library)
+    note_compiling()
     mask = _mask(spare or [], speed_percentile, opened, splice=splice)
     if splice and mask is not None:
         from studykit.choreography.splicing import spliced
@@ -130,6 +131,15 @@ def choreograph(
         show.say(f"Written to {out}: .bvh and .glb open in Blender, .npz is an archive as of AMASS.")
     if open_page:
         typer.launch(page.resolve().as_uri())
+
+
+def note_compiling() -> None:
+    """Say why a first search takes longer."""
+    from studykit.choreography.rjmcmc import kernel
+
+    # Where the compiler keeps what it made, unless it was told otherwise.
+    if not any(Path(kernel.__path__[0], "__pycache__").glob("running.run-*.nbi")):
+        show.note("The search compiles itself once; this takes some seconds.")
 
 
 def _danced(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from studykit.cli import show
+from studykit.cli.choreograph import note_compiling
 from studykit.cli.cores import Dask, Workers, workforce
 from studykit.cli.library import AsJson, Seed
 
@@ -59,6 +60,7 @@ def cohort(
     """Make the dances of a whole cohort; what is shown is `HELP`."""
     from studykit.library.cohort import make_cohort
 
+    note_compiling()
     with workforce(dask, workers) as hands:
         table = make_cohort(wishes, library, out, seed=seed, workers=hands, progress=show.progress)
     if json:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from studykit.cli import show
-from studykit.cli.choreograph import print_dances
+from studykit.cli.choreograph import note_compiling, print_dances
 from studykit.cli.library import AsJson, Seed
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ def demo(
     planted = _effects(effects)
     study = open_study(out, protocol=_protocol(protocol, participants))
     opened = make_sample(SAMPLE, progress=show.progress) if library is None else open_library(library)
+    note_compiling()
     dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
     study.simulate(dances, effects=planted, seed=seed, progress=show.progress, workers=2)
     page = reports.report(out, progress=show.progress)
