@@ -246,13 +246,14 @@ def _dance(  # noqa: PLR0913
     animation: Animation,
 ) -> Dance:
     objective = goal.objective(known.library)
+    measures = known.measures(found.blocks, is_exact=True)
     rows = known.library_rows(found.blocks)
     table = known.library.segments.iloc[[row for block in rows for row in block]]
     counts = tuple(len(block) for block in rows)
-    varieties = found.measures.blocks["variety"]
+    varieties = measures.blocks["variety"]
     shown = measured(motion, varieties, counts)
     blocks = tuple(
-        DanceBlock(asked=block.measures, achieved=_of_block(found.measures, number), achieved_blended=blended)
+        DanceBlock(asked=block.measures, achieved=_of_block(measures, number), achieved_blended=blended)
         for number, (block, blended) in enumerate(zip(goal.blocks, shown, strict=True))
     )
     return Dance(
@@ -273,15 +274,15 @@ def _dance(  # noqa: PLR0913
         ),
         motion=motion,
         asked=goal.measures,
-        achieved=_whole(found.measures),
-        achieved_blended=blended_measures(motion, found.measures.variety),
+        achieved=_whole(measures),
+        achieved_blended=blended_measures(motion, measures.variety),
         blocks=blocks,
         mask=goal.mask,
-        cost_total=objective.cost(found.measures),
-        cost_terms=objective.terms(found.measures),
+        cost_total=objective.cost(measures),
+        cost_terms=objective.terms(measures),
         weights=objective.weights,
-        displacements_m=found.measures.displacements_m,
-        variety_error=found.guided_variety - found.measures.variety,
+        displacements_m=measures.displacements_m,
+        variety_error=found.guided_variety - measures.variety,
         chain_costs=tuple(one.cost for one in outcome.found),
         trace=found.trace,
         library_sha256=known.library.sha256,

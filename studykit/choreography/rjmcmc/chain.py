@@ -36,11 +36,11 @@ class Found:
     blocks : tuple of tuple of int
         The dance, in the numbers of the repertoire.
     measures : Measures
-        Its exact measures.
+        Its measures, not on reduced distances.
     guided_variety : float
         Its variety as the search saw it.
     cost : float
-        Its exact cost.
+        Its cost by these.
     trace : tuple of TraceRow
         How the search went.
     """
@@ -128,11 +128,14 @@ class Search:
         else:
             steps = reference.steps(self.repertoire, self.objective, self.moves, self.annealing, start, draws)
             blocks, trace = _plain(self, steps)
-        measures = self.repertoire.measures(blocks, is_exact=True)
+        guided = self.repertoire.measures(blocks)
+        # Distances that are all kept are right to six digits; those of the dance chosen are taken anew.
+        is_kept = self.repertoire.table is not None
+        measures = guided if is_kept else self.repertoire.measures(blocks, is_exact=True)
         return Found(
             blocks=blocks,
             measures=measures,
-            guided_variety=self.repertoire.measures(blocks).variety,
+            guided_variety=guided.variety,
             cost=self.objective.cost(measures),
             trace=trace,
         )
@@ -211,13 +214,15 @@ def _descended(
         candidates = np.sort(rng.choice(size, size=_CANDIDATES, replace=False))
     varieties = targets.blocks[arrays.VARIETY].copy()
     best, lowest = blocks, math.inf
-    for _ in range(1 if repertoire.reduced is None else _ROUNDS):
+    for _ in range(_ROUNDS):
         if repertoire.reduced is not None:
             wrong = [repertoire.variety(block, is_exact=True) - repertoire.variety(block) for block in blocks]
             targets.blocks[arrays.VARIETY] = varieties - np.array(wrong)
         now = arrays.state(blocks, int(targets.highest.max()), len(targets.weights))
         descend(tables, targets, now, candidates, arrays.record(now, 1, 1))
         blocks = arrays.blocks(now.segments, now.counts)
+        if repertoire.reduced is None:
+            return blocks
         cost = search.objective.cost(repertoire.measures(blocks, is_exact=True))
         if cost < lowest:
             best, lowest = blocks, cost

@@ -89,7 +89,7 @@ def test_a_dance_is_as_asked_and_says_what_it_costs(found, reachable) -> None:
     assert found.weights == {name: reachable.weights[name] for name in found.cost_terms}
     # Both chains are told; the dance may not be the cheapest of them, but it is one of them.
     assert len(found.chain_costs) == reachable.preset.chains
-    assert found.cost_total in found.chain_costs
+    assert min(abs(found.cost_total - cost) for cost in found.chain_costs) < 1e-5
     assert found.variety_error == pytest.approx(0.0, abs=1e-3)
 
 
@@ -365,7 +365,7 @@ def test_ctrl_c_keeps_the_best_dance_so_far_and_says_so(library, reachable, monk
     assert found.is_interrupted
     assert found.chain_costs == tuple(one.cost for one in done)
     assert len(done) in (2, 3)  # what had begun is finished, the rest never is
-    assert found.cost_total in found.chain_costs
+    assert min(abs(found.cost_total - cost) for cost in found.chain_costs) < 1e-5
     assert found.to_dict()["is_interrupted"]
     assert len(found.motion) == 120 * len(found.segments)
 
@@ -389,7 +389,7 @@ def test_ctrl_c_stops_a_plain_search_where_it_is(library, reachable) -> None:
     assert found.is_interrupted
     assert term.asked < 5000
     assert len(found.chain_costs) == 1
-    assert found.cost_total == found.chain_costs[0]
+    assert found.cost_total == pytest.approx(found.chain_costs[0], rel=1e-5)
 
 
 def test_ctrl_c_before_any_dance_is_passed_on(library, reachable, monkeypatch) -> None:
