@@ -235,6 +235,7 @@ def print_dances(dances: Mapping[str, Dance], library: DanceLibrary) -> None:
         show.say("SYNTHETIC movement: nobody danced these segments.")
     show.table([_row(name, dance) for name, dance in dances.items()])
     for name, dance in dances.items():
+        show.say(f"{name} is made of segments {' '.join(str(segment.id) for segment in dance.segments)}")
         if len(dance.blocks) > 1:
             show.say(f"\n{name}, block by block:")
             show.table(

@@ -11,7 +11,7 @@ import pytest
 
 from studykit.analysis.dynamic_time_warping import align
 from studykit.choreography.choreograph import dance
-from studykit.choreography.goal import goals
+from studykit.choreography.targets import goals
 from studykit.io.protocol_file import default_protocol, read_protocol
 from studykit.library import make_sample
 from studykit.motion import kinematics
