@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
 
 from studykit.choreography.dance import (
     Animation,
@@ -10,7 +14,6 @@ from studykit.choreography.dance import (
     DanceBlock,
     DanceMeasures,
     DanceSegment,
-    blended_measures,
     measured,
 )
 from studykit.choreography.dance_library import DanceLibrary
@@ -55,14 +58,18 @@ def choreograph(
     ------
     InputError
         If the library cannot give a dance that is as asked (preset "studykit").
+    KeyboardInterrupt
+        If it is interrupted; single dances (`dance`) keep the best so far.
     """
     wanted = goals(protocol, library)
     with one_core():
-        known = {condition: _reachable(goal, library) for condition, goal in wanted.items()}
-        return {
-            condition: _danced(goal, known[condition], seed=seed)
-            for condition, goal in progress(wanted.items(), label="Choreographing", total=len(wanted))
-        }
+        within = {condition: _reachable(goal, library) for condition, goal in wanted.items()}
+        made = {}
+        for condition, goal in progress(wanted.items(), label="Choreographing", total=len(wanted)):
+            made[condition] = _danced(goal, within[condition], seed=seed)
+            if made[condition].is_interrupted:
+                raise KeyboardInterrupt  # the dances of a study are searched for to their end
+        return made
 
 
 def dance(  # noqa: PLR0913
@@ -116,7 +123,7 @@ def dance(  # noqa: PLR0913
 
 def _danced(  # noqa: PLR0913
     goal: Goal,
-    known: Repertoire,
+    within: _Within,
     *,
     seed: int,
     is_preview: bool = False,
@@ -124,23 +131,36 @@ def _danced(  # noqa: PLR0913
     stage_m: tuple[float, float] | None = None,
     progress: Progress = silent,
 ) -> Dance:
-    outcome = search(goal, known, seed=seed, is_preview=is_preview, workers=workers, progress=progress)
-    missed = goal.misses(outcome.ranked(goal)[0].measures)
-    if missed and goal.preset.is_reached and not is_preview and not outcome.is_interrupted:
-        off = ", ".join(f"{name} off by {share:.0%}" for name, share in missed.items())
-        segments = len(known.library)
-        raise InputError(
-            f"{segments} segments hold no dance of {goal.duration_s:g} s as {goal.condition} ({off})",
-            where=known.library.name,
-            remedy="add takes, or ask for a longer or less extreme dance in [dance]",
-        )
     animation = Animation(
         blend=goal.preset.blend,
         is_cleaned=goal.preset.is_cleaned and not is_preview,
         stage_m=stage_m,
     )
-    chosen, motion = _shown(goal, known, outcome, animation, tries=1 if is_preview else _ANIMATED)
+    known = within.known
+    outcome = search(goal, known, seed=seed, is_preview=is_preview, workers=workers, progress=progress)
+    best = outcome.ranked(goal)[0]
+    missed = goal.misses(best.measures)
+    is_due = goal.preset.is_reached and not outcome.is_interrupted and not is_preview
+    if within.witness is not None and ((is_due and missed) or not best.is_allowed):
+        # It is known to be as asked, though its joins were left to chance.
+        outcome = replace(outcome, found=(*outcome.found, within.witness))
+    elif is_due and missed:
+        off = ", ".join(f"{name} off by {share:.0%}" for name, share in missed.items())
+        spared = f" with {goal.spared} spared" if goal.mask else ""
+        raise InputError(
+            f"no dance of {goal.duration_s:g} s was found in {known.size} segments{spared} ({off})",
+            where=f"{known.library.name}, {goal.condition}",
+            remedy="add takes, or ask for a longer or less extreme dance",
+        )
+    chosen, motion = _shown(goal, known, outcome, animation)
     return _dance(goal, known, chosen, motion, outcome, seed=seed, animation=animation)
+
+
+class _Within(NamedTuple):
+    """What may be danced and, where targets are to be reached, a dance that reaches them."""
+
+    known: Repertoire
+    witness: Found | None
 
 
 def require_dances(wanted: Mapping[str, Goal], library: DanceLibrary) -> None:
@@ -155,25 +175,24 @@ def require_dances(wanted: Mapping[str, Goal], library: DanceLibrary) -> None:
         _reachable(goal, library)
 
 
-def _reachable(goal: Goal, library: DanceLibrary) -> Repertoire:
-    """Refuse what cannot be danced; give the segments that may be."""
+def _reachable(goal: Goal, library: DanceLibrary) -> _Within:
+    """Refuse what cannot be danced; give the segments that may be, and a dance that is as asked."""
     known = repertoire(library, goal.preset, goal.mask, goal.terms)
     most = max((block.segments for block in goal.blocks if block.novelty is None), default=1)
-    if known.size < most:
+    if known.movements < most:
         spared = f" in which {goal.spared} stay below their limits" if goal.mask else ""
         raise InputError(
-            f"the library has {known.size} segments{spared}, a dance that never repeats needs {most}",
+            f"the library has {known.movements} movements{spared}, a dance that never repeats needs {most}",
             where=known.library.name,
-            remedy="add takes, ask for a shorter dance, or for one that is easier to remember",
+            remedy="add takes, allow more, or ask for a dance that is shorter or easier to remember",
         )
-    if goal.preset.is_reached:
-        require_reachable(goal, known)
-    return known
+    if not goal.preset.is_reached:
+        return _Within(known, None)
+    witness = require_reachable(goal, known)
+    return _Within(known, None if goal.terms else witness)  # what was probed knows no further terms
 
 
-def _shown(
-    goal: Goal, known: Repertoire, outcome: Outcome, animation: Animation, *, tries: int
-) -> tuple[Found, Motion]:
+def _shown(goal: Goal, known: Repertoire, outcome: Outcome, animation: Animation) -> tuple[Found, Motion]:
     """Animate dances, the best first, until one is still as asked with its joins.
 
     Raises
@@ -181,10 +200,10 @@ def _shown(
     InputError
         If spared joints turn faster or further than allowed in all of them.
     """
-    ranked = outcome.ranked(goal)
-    fewest = len(goal.misses(ranked[0].measures))
-    alike = [one for one in ranked if len(goal.misses(one.measures)) == fewest][:tries]
-    held = () if goal.mask is None else tuple(known.protected.tolist())
+    ranked = [one for one in outcome.ranked(goal) if one.is_allowed]
+    fewest = min((len(goal.misses(one.measures)) for one in ranked), default=0)
+    alike = [one for one in ranked if len(goal.misses(one.measures)) == fewest][:_ANIMATED]
+    held = () if goal.mask is None else tuple(np.flatnonzero(goal.mask.limits_any).tolist())
     shown: list[tuple[float, Found, Motion]] = []
     for one in alike:
         rows = [row for block in known.library_rows(one.blocks) for row in block]
@@ -195,7 +214,7 @@ def _shown(
             stage_m=animation.stage_m,
             held=held,
         )
-        if goal.preset.is_reached and tries > 1 and not _is_spared(goal, motion):
+        if not _is_spared(goal, motion):
             continue
         shown.append((_off_when_shown(goal, motion), one, motion))
         if shown[-1][0] <= ENERGY_HIT or not goal.preset.is_reached:
@@ -204,7 +223,7 @@ def _shown(
         raise InputError(
             f"{goal.spared} turn faster or further than allowed in every dance found",
             where=known.library.name,
-            remedy="allow more, or splice still limbs in",
+            remedy="allow more, or splice calm arms in if it is an arm",
         )
     return min(shown, key=lambda entry: entry[0])[1:]
 
@@ -215,9 +234,7 @@ def _is_spared(goal: Goal, motion: Motion) -> bool:
         return True
     speeds = kinematics.angular_speeds(motion.rotations, motion.frame_rate_hz).max(axis=0)
     angles = kinematics.rest_angles(motion.rotations).max(axis=0)
-    return bool(
-        (speeds <= goal.mask.speed_limits_rad_s).all() and (angles <= goal.mask.angle_limits_rad).all()
-    )
+    return bool(goal.mask.keeps(speeds, angles).all())
 
 
 def _off_when_shown(goal: Goal, motion: Motion) -> float:
@@ -225,14 +242,14 @@ def _off_when_shown(goal: Goal, motion: Motion) -> float:
     counts = tuple(block.segments for block in goal.blocks)
     if sum(counts) * SEGMENT_FRAMES != len(motion):
         return float("inf")
-    shown = measured(motion, (0.0,) * len(counts), counts)
-    return max(
-        max(
-            abs(have.linear_energy / block.linear_energy - 1.0),
-            abs(have.rotational_energy / block.rotational_energy - 1.0),
-        )
-        for have, block in zip(shown, goal.blocks, strict=True)
-    )
+    shown = measured(motion, (0.0,) * len(counts), counts, joint_weights=goal.counted)
+    off = [0.0]
+    for have, block in zip(shown, goal.blocks, strict=True):
+        if goal.weights["linear"] > 0.0:
+            off.append(abs(have.linear_energy / block.linear_energy - 1.0))
+        if goal.weights["rotational"] > 0.0:
+            off.append(abs(have.rotational_energy / block.rotational_energy - 1.0))
+    return max(off)
 
 
 def _dance(  # noqa: PLR0913
@@ -251,7 +268,7 @@ def _dance(  # noqa: PLR0913
     table = known.library.segments.iloc[[row for block in rows for row in block]]
     counts = tuple(len(block) for block in rows)
     varieties = measures.blocks["variety"]
-    shown = measured(motion, varieties, counts)
+    shown = measured(motion, varieties, counts, joint_weights=goal.counted)
     blocks = tuple(
         DanceBlock(asked=block.measures, achieved=_of_block(measures, number), achieved_blended=blended)
         for number, (block, blended) in enumerate(zip(goal.blocks, shown, strict=True))
@@ -275,7 +292,7 @@ def _dance(  # noqa: PLR0913
         motion=motion,
         asked=goal.measures,
         achieved=_whole(measures),
-        achieved_blended=blended_measures(motion, measures.variety),
+        achieved_blended=measured(motion, (measures.variety,), (sum(counts),), joint_weights=goal.counted)[0],
         blocks=blocks,
         mask=goal.mask,
         cost_total=objective.cost(measures),
@@ -288,6 +305,7 @@ def _dance(  # noqa: PLR0913
         library_sha256=known.library.sha256,
         is_synthetic=bool(table["is_synthetic"].any()),
         animation=animation,
+        note=goal.note,
         is_interrupted=outcome.is_interrupted,
     )
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+import math
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from studykit.choreography.rjmcmc.trace import TraceRow
+from studykit.core.arrays import Floats
+from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_value
 from studykit.motion import energy, kinematics
 from studykit.motion.blending import Blend
@@ -74,6 +77,14 @@ class Animation:
     is_cleaned: bool
     stage_m: tuple[float, float] | None = None
 
+    def __post_init__(self) -> None:
+        if self.stage_m is not None and not all(0.0 < side < math.inf for side in self.stage_m):
+            raise InputError(
+                f"a stage of {self.stage_m[0]:g} x {self.stage_m[1]:g} m",
+                where="stage_m",
+                remedy="give its width and depth, both above 0",
+            )
+
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Animation:
         """Undo `dataclasses.asdict`, also after JSON."""
@@ -137,6 +148,8 @@ class Dance:
         Whether any segment was made up rather than danced by a person.
     animation : Animation
         How segments became the movement.
+    note : str
+        What else a reader must know, such as that what was asked at first was out of reach.
     is_interrupted : bool
         Whether the search was stopped before its end, and this is the best so far.
     version : int
@@ -164,6 +177,7 @@ class Dance:
     library_sha256: str
     is_synthetic: bool
     animation: Animation
+    note: str = ""
     is_interrupted: bool = False
     version: int = VERSION
 
@@ -174,8 +188,12 @@ class Dance:
 
     @property
     def sha256(self) -> str:
-        """Digest of what determines the movement: the library, the segments chosen, how they were joined."""
-        joined = {"animation": asdict(self.animation)} if self.version > 1 else {}
+        """Digest of what determines the movement: the library, the segments, how they were joined."""
+        joined = {}
+        if self.version > 1:
+            # Smoothing leaves spared joints alone, so what is spared changes the movement.
+            spared = None if self.mask is None else self.mask.to_dict()
+            joined = {"animation": asdict(self.animation), "spared": spared}
         return sha256_of_value(
             {
                 "version": self.version,
@@ -186,25 +204,35 @@ class Dance:
             }
         )
 
-    def joints(self) -> dict[str, dict[str, float | None]]:
+    def joints(self) -> dict[str, dict[str, float | bool | None]]:
         """Tell what the dance as shown asks of each joint.
 
         Returns
         -------
         dict
-            By name: `peak_rad_s`, `mean_rad_s` (angular speed relative to the parent), `energy` (rotational,
-            J per kg, summed over the poses) and `limit_rad_s` (None where the joint is free).
+            By name: `peak_rad_s` and `mean_rad_s` (angular speed relative to the parent), `angle_rad`
+            (furthest from rest), `energy` (rotational, J per kg, summed over the poses), `limit_rad_s` and
+            `angle_limit_rad` (None where there is none), and `is_kept` (whether both limits are kept).
         """
-        turned = self.motion.rotations
-        speeds = kinematics.angular_speeds(turned, self.motion.frame_rate_hz)
-        energies = energy.rotational_energy(turned, self.motion.frame_rate_hz)
-        limits = {} if self.mask is None else self.mask.to_dict()
+        turned, rate = self.motion.rotations, self.motion.frame_rate_hz
+        speeds = kinematics.angular_speeds(turned, rate)
+        angles = kinematics.rest_angles(turned).max(axis=0)
+        energies = energy.rotational_energy(turned, rate)
+        mask = JointMask() if self.mask is None else self.mask
+        is_kept = mask.keeps(speeds.max(axis=0), angles)
+
+        def limit(value: float) -> float | None:
+            return float(value) if math.isfinite(value) else None
+
         return {
             name: {
                 "peak_rad_s": float(speeds[:, joint].max()),
                 "mean_rad_s": float(speeds[:, joint].mean()),
+                "angle_rad": float(angles[joint]),
                 "energy": float(energies[joint]),
-                "limit_rad_s": limits.get(name, {}).get("speed_limits_rad_s"),
+                "limit_rad_s": limit(mask.speed_limits_rad_s[joint]),
+                "angle_limit_rad": limit(mask.angle_limits_rad[joint]),
+                "is_kept": bool(is_kept[joint]),
             }
             for joint, name in enumerate(self.motion.skeleton.joint_names)
         }
@@ -218,6 +246,7 @@ class Dance:
             "preset": self.preset,
             "targets_from": self.targets_from,
             "is_synthetic": self.is_synthetic,
+            "note": self.note,
             "is_interrupted": self.is_interrupted,
             "animation": asdict(self.animation),
             "asked": self.asked.to_dict(),
@@ -234,7 +263,7 @@ class Dance:
             "joins": [{"displacement_m": jump} for jump in self.displacements_m],
             "joints": self.joints(),
             "chain_costs": list(self.chain_costs),
-            "trace": [{field.name: getattr(row, field.name) for field in fields(row)} for row in self.trace],
+            "trace": [row.to_dict() for row in self.trace],
             "library_sha256": self.library_sha256,
             "sha256": self.sha256,
         }
@@ -251,6 +280,7 @@ class Dance:
                 "chain_costs": [],
                 "variety_error": 0.0,
                 "is_interrupted": False,
+                "note": "",
                 "animation": {"blend": "offset", "is_cleaned": False, "stage_m": None},
             }
             cost = {"weights": {}, **values["cost"]}
@@ -278,10 +308,11 @@ class Dance:
             displacements_m=tuple(join["displacement_m"] for join in values["joins"]),
             variety_error=values["variety_error"],
             chain_costs=tuple(values["chain_costs"]),
-            trace=tuple(TraceRow(**row) for row in values["trace"]),
+            trace=tuple(TraceRow.from_dict(row) for row in values["trace"]),
             library_sha256=values["library_sha256"],
             is_synthetic=values["is_synthetic"],
             animation=Animation.from_dict(values["animation"]),
+            note=values["note"],
             is_interrupted=values["is_interrupted"],
             version=values["version"],
         )
@@ -293,7 +324,11 @@ def blended_measures(motion: Motion, variety: float) -> DanceMeasures:
 
 
 def measured(
-    motion: Motion, varieties: tuple[float, ...], segments: tuple[int, ...]
+    motion: Motion,
+    varieties: tuple[float, ...],
+    segments: tuple[int, ...],
+    *,
+    joint_weights: Floats | None = None,
 ) -> tuple[DanceMeasures, ...]:
     """Measure a movement as shown, joins included, block by block.
 
@@ -305,10 +340,13 @@ def measured(
         Of the segments of each block.
     segments : tuple of int
         How many segments each block has. A step between two blocks belongs to the later one.
+    joint_weights : ndarray, shape (24,), optional
+        a_j of Eq. 11, where that is to be left out; all 1 if not given.
     """
     positions = kinematics.centred_positions(motion.skeleton, motion.rotations)
     linear = energy.linear_energy_steps(positions, motion.frame_rate_hz).sum(axis=-1)
-    rotational = energy.rotational_energy_steps(motion.rotations, motion.frame_rate_hz).sum(axis=-1)
+    turning = energy.rotational_energy_steps(motion.rotations, motion.frame_rate_hz)
+    rotational = turning.sum(axis=-1) if joint_weights is None else turning @ joint_weights
     found, start = [], 0
     for variety, count in zip(varieties, segments, strict=True):
         frames = count * SEGMENT_FRAMES

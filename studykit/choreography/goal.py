@@ -15,6 +15,7 @@ from studykit.choreography.dance import DanceMeasures, TargetsFrom
 from studykit.choreography.dance_library import CHAIN_SEGMENTS, DanceLibrary
 from studykit.choreography.measures import Measures, mean_variety
 from studykit.choreography.preset import Preset
+from studykit.core.arrays import Floats
 from studykit.motion.joint_mask import JointMask
 from studykit.motion.segmentation import SEGMENT_S
 
@@ -90,6 +91,9 @@ class Goal:
         Joints that are spared.
     terms : tuple of SegmentTerm or CostTerm
         Further terms.
+    note : str
+        What else a reader of the dance must know, such as that these are the nearest values to a goal out of
+        reach.
     """
 
     condition: str
@@ -103,6 +107,12 @@ class Goal:
     targets_from: TargetsFrom
     mask: JointMask | None = None
     terms: tuple[SegmentTerm | CostTerm, ...] = ()
+    note: str = ""
+
+    @property
+    def counted(self) -> Floats | None:
+        """Share of each joint's turning that counts for the energy, shape (24,); None if all of it."""
+        return self.mask.weights if self.mask is not None and self.preset.masks_energies else None
 
     @property
     def spared(self) -> str:

@@ -45,11 +45,16 @@ class OutOfReachError(InputError):
         return made, ()
 
 
-def nearest(goal: Goal, repertoire: Repertoire) -> Measures:
-    """Find the measures nearest to a goal that segments of a repertoire can have together.
+def nearest(goal: Goal, repertoire: Repertoire) -> Found:
+    """Find the dance that comes nearest to a goal, whatever its joins.
 
     Joins and further terms do not count, and tolerances are so wide that far is worse than near: what is
     lowered is, in effect, the squared distance to the goal, with energies and variety reached jointly.
+
+    Raises
+    ------
+    InputError
+        If no dance was met that keeps all limits and repeats nothing where nothing may be repeated.
     """
     summed = tuple(term for term in goal.terms if isinstance(term, SegmentTerm))
     names = [term.name for term in summed]
@@ -68,10 +73,16 @@ def nearest(goal: Goal, repertoire: Repertoire) -> Measures:
         found = search.run(stream(0, "reach", goal.condition, chain))
         if best is None or _rank(goal, found) < _rank(goal, best):
             best = found
-        if not goal.misses(best.measures):
+        if best.is_allowed and not goal.misses(best.measures):
             break
     assert best is not None  # noqa: S101  # there is a chain
-    return best.measures
+    if not best.is_allowed:
+        raise InputError(
+            f"no order of {repertoire.size} segments keeps all limits and repeats nothing",
+            where=f"{repertoire.library.name}, {goal.condition}",
+            remedy="allow more, ask for a dance that is shorter or easier to remember, or add takes",
+        )
+    return replace(best, cost=goal.objective(repertoire.library).cost(best.measures), trace=())
 
 
 def _how_far(goal: Goal, repertoire: Repertoire) -> dict[str, float]:
@@ -91,12 +102,17 @@ def _how_far(goal: Goal, repertoire: Repertoire) -> dict[str, float]:
     return far
 
 
-def _rank(goal: Goal, found: Found) -> tuple[int, float]:
-    return len(goal.misses(found.measures)), found.cost
+def _rank(goal: Goal, found: Found) -> tuple[bool, int, float]:
+    return not found.is_allowed, len(goal.misses(found.measures)), found.cost
 
 
-def require_reachable(goal: Goal, repertoire: Repertoire) -> None:
+def require_reachable(goal: Goal, repertoire: Repertoire) -> Found:
     """Refuse a goal that no dance of a repertoire meets, before any dance is searched for.
+
+    Returns
+    -------
+    Found
+        A dance that meets it, with joins left to chance.
 
     Raises
     ------
@@ -104,23 +120,25 @@ def require_reachable(goal: Goal, repertoire: Repertoire) -> None:
         Says what is out of reach and what comes nearest.
     """
     found = nearest(goal, repertoire)
-    missed = goal.misses(found)
+    missed = goal.misses(found.measures)
     if not missed:
-        return
-    reachable = tuple(_reached(block, found, number) for number, block in enumerate(goal.blocks))
+        return found
+    reachable = tuple(_reached(block, found.measures, number) for number, block in enumerate(goal.blocks))
     spared = f" with {goal.spared} spared" if goal.mask is not None else ""
     values = "; ".join(map(_words, zip(reachable, goal.blocks, strict=True)))
+    problem = (
+        f"{repertoire.size} segments cannot reach this{spared}: {', '.join(missed)} cannot be had "
+        f"together with the rest; nearest is {values}"
+    )
     raise OutOfReachError(
-        f"{len(repertoire.library)} segments cannot reach this{spared}: {', '.join(missed)} cannot be had "
-        f"together with the rest; nearest is {values}",
+        problem,
         where=f"{repertoire.library.name}, {goal.condition}",
         remedy="ask for that, for a less extreme dance, or add takes",
-        nearest=replace(goal, blocks=reachable),
+        nearest=replace(goal, blocks=reachable, note=f"What was asked is out of reach: {problem}."),
     )
 
 
 def _reached(block: Block, found: Measures, number: int) -> Block:
-    # A hair's breadth of room lets the search find it again while it also cares for the joins.
     return replace(
         block,
         duration_s=found.blocks["duration"][number],
@@ -133,8 +151,10 @@ def _reached(block: Block, found: Measures, number: int) -> Block:
 def _words(pair: tuple[Block, Block]) -> str:
     reached, asked = pair
     mass = DEFAULT_BODY_MASS_KG
+    longer = f"{reached.duration_s:g} s, " if reached.duration_s != asked.duration_s else ""
     return (
-        f"linear energy {mass * reached.linear_energy:.1f} (asked {mass * asked.linear_energy:.1f}) J, "
+        f"{longer}linear energy {mass * reached.linear_energy:.1f} "
+        f"(asked {mass * asked.linear_energy:.1f}) J, "
         f"rotational {mass * reached.rotational_energy:.1f} ({mass * asked.rotational_energy:.1f}) J, "
         f"variety {reached.variety:.1f} ({asked.variety:.1f})"
     )
@@ -148,5 +168,5 @@ def variety_range(goal: Goal, repertoire: Repertoire) -> tuple[float, float]:
     ends = []
     for factor in (0.0, 3.0):
         blocks = tuple(replace(block, variety=block.variety * factor + 1e-9) for block in goal.blocks)
-        ends.append(nearest(replace(goal, blocks=blocks), repertoire).variety)
+        ends.append(nearest(replace(goal, blocks=blocks), repertoire).measures.variety)
     return min(ends), max(ends)

@@ -50,8 +50,8 @@ def requested(  # noqa: PLR0913 - as many words as a wish has
         Whether joins shall be smooth.
     spare : str, sequence of str, or JointMask
         Joints that are to be spared, with all beyond them: "right_elbow" means the forearm and the hand. Each
-        stays below what it does in the middle segment of the library, unless a mask says otherwise. If none
-        is named, those of the plan.
+        stays below what it does in the middle segment of the library, unless a mask says otherwise. What
+        the plan spares is spared too.
     schedule : str, tuple of BlockPlan, or None
         Blocks that differ, instead of one duration, intensity and variety: "hiit", "waves", "warm-up", or
         your own; see `choreography.schedule`.
@@ -73,6 +73,9 @@ def requested(  # noqa: PLR0913 - as many words as a wish has
     if transition not in get_args(Transition):
         raise InputError(f'there is no "{transition}"', where="transition", remedy="choose on or off")
     plan = plan or default_plan()
+    for where, level in (("intensity", intensity), ("variety", variety)):
+        if not isinstance(level, str | int | float):
+            raise InputError(f"{level!r} is no level", where=where, remedy="give a word or a number")
     words = [word if isinstance(word, str) else f"{word:g}" for word in (intensity, variety)]
     if schedule is not None:
         words = [schedule if isinstance(schedule, str) else "schedule"]
@@ -85,7 +88,8 @@ def requested(  # noqa: PLR0913 - as many words as a wish has
     mask = spared_by(plan, library)
     if isinstance(spare, JointMask) or spare:
         named = spare if isinstance(spare, JointMask) else spared(spare)
-        mask = limited(named, library, SPEED_PERCENTILE)
+        named = limited(named, library, SPEED_PERCENTILE)
+        mask = named if mask is None else mask.stricter(named)
     return scheduled(
         plan, blocks, library, name="-".join([*words, transition]), mask=mask, terms=tuple(terms)
     )

@@ -34,6 +34,10 @@ _PAPER_COSINES = {level: distance**2 / 23280.0 for level, distance in PAPER_VARI
 _PAPER_TRANSITION_TOLERANCE_M = 0.03
 
 
+LONGEST_S = 1200.0
+"""Dances are at most as long as this."""
+
+
 def goals(protocol: StudyProtocol, library: DanceLibrary) -> dict[str, Goal]:
     """Turn a protocol's words into numbers on a library: one goal a condition.
 
@@ -103,11 +107,26 @@ def scheduled(
     """
     if not schedule:
         raise InputError("there is no block", where="schedule", remedy="give one or more")
+    total_s = sum(block.duration_s for block in schedule)
+    if LONGEST_S < total_s < math.inf:
+        raise InputError(
+            f"{total_s:g} s are longer than dances can be",
+            where="duration",
+            remedy=f"ask for up to {LONGEST_S:g} s",
+        )
     preset = PRESETS[plan.preset]
+    if preset.masks_energies and mask is not None:
+        mask = JointMask(weights=mask.weights)  # the printed mask has no limits
     blocks = tuple(_block(plan, block, library) for block in schedule)
     calibration = library.calibration
     is_cosine = preset.variety == "cosine"
     hard, easy = (_variety(plan, level, library) for level in ("hard", "easy"))
+    if hard <= easy:
+        raise InputError(
+            f"hard dances have a variety of {hard:g} and easy ones of {easy:g}",
+            where=library.name,
+            remedy="have the dances rated again, or build the library again",
+        )
     is_log = preset.intensity == "log"
     spreads = [spread / DEFAULT_BODY_MASS_KG for spread in _PAPER_SPREADS]
     return Goal(
@@ -125,7 +144,7 @@ def scheduled(
         ),
         weights=_weights(plan, blocks, is_smooth=not name.endswith("-off")),
         preset=preset,
-        targets_from=_targets_from(preset, library),
+        targets_from=_targets_from(preset, library, schedule),
         mask=mask,
         terms=terms,
     )
@@ -176,10 +195,11 @@ def _block(plan: DancePlan, block: BlockPlan, library: DanceLibrary) -> Block:
     )
 
 
-def _targets_from(preset: Preset, library: DanceLibrary) -> TargetsFrom:
+def _targets_from(preset: Preset, library: DanceLibrary, schedule: Schedule) -> TargetsFrom:
     if preset.intensity == "absolute":
         return "paper"
-    return "raters" if library.calibration.rated is not None else "percentiles"
+    words = any(isinstance(level, str) for block in schedule for level in (block.intensity, block.variety))
+    return "raters" if words and library.calibration.rated is not None else "percentiles"
 
 
 def _energies(plan: DancePlan, block: BlockPlan, library: DanceLibrary) -> tuple[float, float]:

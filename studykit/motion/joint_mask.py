@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from studykit.core.arrays import Floats, frozen
+from studykit.core.arrays import Booleans, Floats, frozen
 from studykit.core.errors import InputError, nearest
 from studykit.motion.skeleton import JOINT_NAMES, NEUTRAL_BODY
 
@@ -68,6 +68,29 @@ class JointMask:
         """Names of the joints that are not free, in the order of the body."""
         limited = np.isfinite(self.speed_limits_rad_s) | np.isfinite(self.angle_limits_rad)
         return tuple(JOINT_NAMES[joint] for joint in np.flatnonzero(limited | (self.weights < 1.0)))
+
+    def stricter(self, other: JointMask) -> JointMask:
+        """Give a mask that spares what either spares, each joint as far as the one that spares it more."""
+        return JointMask(
+            weights=np.minimum(self.weights, other.weights),
+            speed_limits_rad_s=np.minimum(self.speed_limits_rad_s, other.speed_limits_rad_s),
+            angle_limits_rad=np.minimum(self.angle_limits_rad, other.angle_limits_rad),
+        )
+
+    def keeps(self, speeds_rad_s: Floats, angles_rad: Floats) -> Booleans:
+        """Tell which joints stay within their limits.
+
+        Parameters
+        ----------
+        speeds_rad_s, angles_rad : ndarray, shape (..., 24), rad/s and rad
+            Peaks of each joint.
+        """
+        return np.asarray((speeds_rad_s <= self.speed_limits_rad_s) & (angles_rad <= self.angle_limits_rad))
+
+    @property
+    def limits_any(self) -> Booleans:
+        """Which joints have a limit, shape (24,)."""
+        return np.asarray(np.isfinite(self.speed_limits_rad_s) | np.isfinite(self.angle_limits_rad))
 
     def limited(self, speed_limits_rad_s: Floats) -> JointMask:
         """Give the same mask with a speed limit for every spared joint that has none.
@@ -193,7 +216,11 @@ def joint_number(name: str) -> int:
         If the body has no such joint; names the nearest that it has.
     """
     if name not in JOINT_NAMES:
-        raise InputError(f'the body has no joint "{name}"', remedy=nearest(name, JOINT_NAMES))
+        sides = [f"{side}_{name}" for side in ("left", "right") if f"{side}_{name}" in JOINT_NAMES]
+        remedy = f"say {' or '.join(sides)}" if sides else nearest(name, JOINT_NAMES)
+        if len(remedy) > 200:
+            remedy = "name one of SMPL's 24 joints, such as right_elbow, left_knee or neck"
+        raise InputError(f'the body has no joint "{name}"', remedy=remedy)
     return JOINT_NAMES.index(name)
 
 

@@ -18,6 +18,7 @@ from studykit.devices.depth_camera import CameraFrame
 from studykit.devices.device import Device
 from studykit.devices.heart_rate import HeartRateSample
 from studykit.library.dance_file import write_dances
+from studykit.motion.joint_mask import spare
 from studykit.motion.skeleton import JOINT_NAMES
 from studykit.participant.effects import Effects
 from studykit.participant.person import Person
@@ -166,7 +167,8 @@ def check_dances(dances: Mapping[str, ShownDance], protocol: StudyProtocol) -> N
     Raises
     ------
     InputError
-        If a condition has no dance, or one of another length or body.
+        If a condition has no dance, or one of another length or body, or one that does not spare the joints
+        that the protocol spares.
     """
     for condition in protocol.conditions_list():
         if condition not in dances:
@@ -183,11 +185,28 @@ def check_dances(dances: Mapping[str, ShownDance], protocol: StudyProtocol) -> N
                 where="dances",
                 remedy="make the dances with this protocol",
             )
+        _require_spared(condition, dances[condition], protocol)
         if motion.skeleton.joint_names != JOINT_NAMES:
             raise InputError(
                 f"the dance of {condition} has other joints than SMPL's 24",
                 where="dances",
                 remedy="make the dances with a studykit library",
+            )
+
+
+def _require_spared(condition: str, shown: ShownDance, protocol: StudyProtocol) -> None:
+    """Refuse a dance that does not spare what the protocol spares."""
+    plan = protocol.dance.spare
+    if plan is None or not isinstance(shown, Dance):
+        return
+    spared = () if shown.mask is None else shown.mask.spared
+    told = shown.joints()
+    for joint in spare(plan.joints).spared:
+        if joint not in spared or not told[joint]["is_kept"]:
+            raise InputError(
+                f"the dance of {condition} does not spare {joint}, as the protocol says",
+                where="dances",
+                remedy="make the dances with this protocol",
             )
 
 

@@ -181,7 +181,7 @@ def test_the_printed_reading_stands_beside(library: DanceLibrary, table: pd.Data
         )
         aimed = replace(one, blocks=(block,))
         known = repertoire(library, one.preset, one.mask, one.terms)
-        literal.append(not aimed.misses(nearest(aimed, known)))
+        literal.append(not aimed.misses(nearest(aimed, known).measures))
     print(f"literal targets within reach: {sum(literal)} of 8 conditions")
     assert hits <= 0.2
     assert sum(literal) < 8

@@ -41,6 +41,9 @@ class Found:
         Its variety as the search saw it.
     cost : float
         Its cost by these.
+    is_allowed : bool
+        Whether it repeats nothing where nothing may be repeated, and no join breaks a limit; if not, no
+        dance was met that does.
     trace : tuple of TraceRow
         How the search went.
     """
@@ -49,6 +52,7 @@ class Found:
     measures: Measures
     guided_variety: float
     cost: float
+    is_allowed: bool
     trace: tuple[TraceRow, ...]
 
 
@@ -99,25 +103,31 @@ class Search:
             repertoire=self.repertoire,
             bounds=tuple((max(1, block.segments - 2), block.segments + 2) for block in self.goal.blocks),
             novelties=tuple(block.novelty for block in self.goal.blocks),
-            neighbour=preset.neighbour,
+            neighbour=preset.neighbour if self.repertoire.size > 1 else 0.0,
             at_end=preset.moves == "at_end",
             is_exact=preset.acceptance == "exact",
         )
 
     def start(self, rng: np.random.Generator) -> Blocks:
         """Draw a first dance of the right length; where nothing may come back, nothing does."""
-        blocks = []
+        blocks: list[tuple[int, ...]] = []
         for block in self.goal.blocks:
             chosen: list[int] = []
             for segment in rng.permutation(self.repertoire.size)[: 64 * block.segments].tolist():
-                if len(chosen) < block.segments and not (
-                    block.novelty is None
-                    and any(self.repertoire.same_movement(segment, other) for other in chosen)
-                ):
+                if len(chosen) < block.segments and self._fits(segment, chosen, blocks, block.novelty):
                     chosen.append(segment)
             missing = block.segments - len(chosen)
             blocks.append((*chosen, *rng.integers(self.repertoire.size, size=missing).tolist()))
         return tuple(blocks)
+
+    def _fits(
+        self, segment: int, chosen: list[int], before: list[tuple[int, ...]], novelty: float | None
+    ) -> bool:
+        """Tell whether a segment may follow what was drawn so far."""
+        if novelty is None and any(self.repertoire.same_movement(segment, other) for other in chosen):
+            return False
+        last = chosen[-1] if chosen else before[-1][-1] if before else None
+        return last is None or self.repertoire.is_held(last, segment)
 
     def run(self, rng: np.random.Generator) -> Found:
         """Run one chain."""
@@ -137,6 +147,7 @@ class Search:
             measures=measures,
             guided_variety=guided.variety,
             cost=self.objective.cost(measures),
+            is_allowed=reference.is_allowed(self.repertoire, self.moves, blocks),
             trace=trace,
         )
 

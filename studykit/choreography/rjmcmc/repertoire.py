@@ -58,8 +58,8 @@ class Repertoire:
         self.rows: Integers = allowed(library, mask)
         self.size = len(self.rows)
         self.values: Mapping[str, Floats] = {
-            "linear": _energies(library.linear_energies, preset, mask)[self.rows],
-            "rotational": _energies(library.rotational_energies, preset, mask)[self.rows],
+            "linear": library.linear_energies.sum(axis=1, dtype=np.float64)[self.rows],
+            "rotational": _rotational(library, preset, mask)[self.rows],
         }
         if mask is not None:
             self.values = {**self.values, "mask": spared_energies(library, mask)[self.rows]}
@@ -154,6 +154,17 @@ class Repertoire:
         jump = self.first_poses[after].astype(np.float64) - self.last_poses[before]
         return float(np.linalg.norm(jump, axis=-1).mean())
 
+    @property
+    def movements(self) -> int:
+        """How many segments can stand side by side without a movement that comes back."""
+        count = 0
+        for take in np.unique(self.takes):
+            last = -np.inf
+            for start in np.unique(self.starts_s[self.takes == take]):
+                if start - last >= MOVEMENT_S:
+                    count, last = count + 1, start
+        return count
+
     def same_movement(self, one: int, other: int) -> bool:
         """Tell whether two segments are the same, mirror images, or overlapping pieces of one take."""
         apart = abs(self.starts_s[one] - self.starts_s[other])
@@ -229,11 +240,9 @@ def allowed(library: DanceLibrary, mask: JointMask | None) -> Integers:
     """
     if mask is None:
         return np.arange(len(library))
-    speeds, angles = mask.speed_limits_rad_s, mask.angle_limits_rad
-    rows = np.flatnonzero(
-        (library.peak_speeds <= speeds).all(axis=1) & (library.peak_angles <= angles).all(axis=1)
-    )
+    rows = np.flatnonzero(mask.keeps(library.peak_speeds, library.peak_angles).all(axis=1))
     if not len(rows):
+        speeds, angles = mask.speed_limits_rad_s, mask.angle_limits_rad
         excess = np.maximum(library.peak_speeds / speeds, library.peak_angles / angles).max(axis=1)
         raise InputError(
             f"{', '.join(mask.spared)} exceed their limits in every segment, at best {excess.min():.2f}-fold",
@@ -243,11 +252,11 @@ def allowed(library: DanceLibrary, mask: JointMask | None) -> Integers:
     return rows
 
 
-def _energies(by_joint: Floats, preset: Preset, mask: JointMask | None) -> Floats:
-    """Give the energy of each segment; Eq. 11 as printed leaves out what spared joints do."""
+def _rotational(library: DanceLibrary, preset: Preset, mask: JointMask | None) -> Floats:
+    """Give the rotational energy of each segment; Eq. 11 as printed leaves out what spared joints do."""
     if mask is None or not preset.masks_energies:
-        return np.asarray(by_joint.sum(axis=1), dtype=np.float64)
-    return np.asarray(by_joint @ mask.weights, dtype=np.float64)
+        return np.asarray(library.rotational_energies.sum(axis=1), dtype=np.float64)
+    return np.asarray(library.rotational_energies @ mask.weights, dtype=np.float64)
 
 
 def _require_terms(terms: Sequence[SegmentTerm | CostTerm]) -> None:
@@ -257,6 +266,9 @@ def _require_terms(terms: Sequence[SegmentTerm | CostTerm]) -> None:
             problem = f'there is a term "{term.name}" already'
             raise InputError(problem, where="terms", remedy="give it another name")
         taken.add(term.name)
+        if not 0.0 <= getattr(term, "weight", 0.0) < math.inf:
+            problem = f"a weight of {term.weight:g}"
+            raise InputError(problem, where=f"the term {term.name}", remedy="give 0 or more")
         if isinstance(term, SegmentTerm):
             if not (math.isfinite(term.target) and 0.0 < term.tolerance < math.inf):
                 problem = f"a target of {term.target:g} and a tolerance of {term.tolerance:g}"

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from studykit.choreography.goal import CLOSE, Goal
 from studykit.choreography.rjmcmc.chain import Found, Search
 from studykit.choreography.rjmcmc.repertoire import Repertoire
+from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.seeding import stream
 
@@ -34,11 +35,12 @@ class Outcome:
     is_interrupted: bool
 
     def ranked(self, goal: Goal) -> list[Found]:
-        """Put the dances in order: those that miss least first, of these the closest, then the cheapest."""
+        """Put dances in order: the allowed first, of these what misses least, is closest, cheapest."""
 
-        def rank(one: Found) -> tuple[int, int, float]:
+        def rank(one: Found) -> tuple[bool, int, int, float]:
             missed = goal.misses(one.measures)
-            return len(missed), len(goal.misses(one.measures, share=CLOSE)), one.cost
+            close = goal.misses(one.measures, share=CLOSE)
+            return not one.is_allowed, len(missed), len(close), one.cost
 
         return sorted(self.found, key=rank)
 
@@ -71,6 +73,8 @@ def search(
     progress : Progress
         Told of each chain.
     """
+    if workers is not None and workers < 1:
+        raise InputError(f"{workers} workers", where="workers", remedy="give 1 or more, or none")
     preset = goal.preset
     run = Search.sized(goal, known, preset.annealing)
     is_short = is_preview or not run.is_compiled
@@ -93,7 +97,7 @@ def search(
                 if not found:
                     raise
                 return Outcome(found=tuple(found), is_interrupted=True)
-            if any(not goal.misses(one.measures) for one in found):
+            if any(one.is_allowed and not goal.misses(one.measures) for one in found):
                 break
     return Outcome(found=tuple(found), is_interrupted=False)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields
+from typing import Any
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -39,3 +41,14 @@ class TraceRow:
     removed: float | None = None
     replaced: float | None = None
     terms: dict[str, float]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the row as plain values for JSON, which knows no infinity."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return values | {"best_cost": self.best_cost if math.isfinite(self.best_cost) else None}
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> TraceRow:
+        """Undo `to_dict`."""
+        best = values["best_cost"]
+        return cls(**values | {"best_cost": math.inf if best is None else best})

@@ -66,7 +66,7 @@ def test_a_mask_keeps_the_limits_it_has(library) -> None:
     assert requested(library, spare=[]).mask is None
 
 
-def test_what_a_protocol_spares_is_spared_unless_other_joints_are_named(library) -> None:
+def test_what_a_protocol_spares_is_spared_beside_what_is_named(library) -> None:
     said = {"joints": ["left_knee"], "weight": 0.5, "speed_percentile": 30.0, "cost_weight": 0.4}
     plan = DancePlan.model_validate(default_plan().model_dump() | {"spare": said})
     asked = requested(library, plan=plan)
@@ -76,7 +76,8 @@ def test_what_a_protocol_spares_is_spared_unless_other_joints_are_named(library)
     assert asked.weights["mask"] == 0.4
     other = requested(library, plan=plan, spare="right_elbow")
     assert other.mask is not None
-    assert other.mask.spared == ELBOW
+    assert set(other.mask.spared) == {*ELBOW, *asked.mask.spared}
+    assert other.mask.speed_limits_rad_s[4] == asked.mask.speed_limits_rad_s[4]
 
 
 def test_a_schedule_takes_the_place_of_one_block(library) -> None:

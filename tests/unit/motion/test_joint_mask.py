@@ -81,7 +81,7 @@ def test_a_mask_comes_back_from_plain_values() -> None:
     ("said", "message"),
     [
         (lambda: spare("right elbow"), r'no joint "right elbow"; write "right_elbow" if that was meant\.'),
-        (lambda: spare("zzz"), r'no joint "zzz"; use one of: pelvis, left_hip'),
+        (lambda: spare("zzz"), r'no joint "zzz"; name one of SMPL'),
         (lambda: spare(()), r"spare: no joint is named; name one"),
         (lambda: spare("neck", weights=1.5), r"neck: a weight of 1\.5; say 0 to 1\."),
         (lambda: spare("neck", weights=-0.1), r"neck: a weight of -0\.1"),
