@@ -85,7 +85,7 @@ STUDYKIT = Preset(
     neighbour=0.3,
     annealing=Annealing.geometric(iterations=60_000, start=0.3, end=0.001, start_width=6.0),
     preview=Annealing.geometric(iterations=10_000, start=0.3, end=0.001, start_width=6.0),
-    chains=16,
+    chains=12,
     preview_chains=2,
     descent=5.0,
     blend="offset",
