@@ -382,22 +382,6 @@ class SegmentDistances:
         return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-9))
 
 
-def require_segments(library: DanceLibrary, wanted: int) -> None:
-    """Refuse a library that has fewer segments than a dance without repetition needs.
-
-    Raises
-    ------
-    InputError
-        Names the library, what it has and what is needed.
-    """
-    if len(library) < wanted:
-        raise InputError(
-            f"the library has {len(library)} segments, a dance that never repeats needs {wanted}",
-            where=library.name,
-            remedy="add takes or ask for a shorter dance",
-        )
-
-
 @lru_cache(maxsize=4)
 def distances(library: DanceLibrary, metric: str) -> SegmentDistances:
     """Give the distances of a library, kept for the dances that follow."""

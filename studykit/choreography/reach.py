@@ -126,6 +126,9 @@ def require_reachable(goal: Goal, repertoire: Repertoire) -> Found:
     reachable = tuple(_reached(block, found.measures, number) for number, block in enumerate(goal.blocks))
     spared = f" with {goal.spared} spared" if goal.mask is not None else ""
     values = "; ".join(map(_words, zip(reachable, goal.blocks, strict=True)))
+    if "variety" in missed:
+        low, high = variety_range(replace(goal, blocks=reachable), repertoire)
+        values += f" (varieties of these energies are {low:.1f} to {high:.1f})"
     problem = (
         f"{repertoire.size} segments cannot reach this{spared}: {', '.join(missed)} cannot be had "
         f"together with the rest; nearest is {values}"

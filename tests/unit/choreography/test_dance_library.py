@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from studykit.choreography import dance_library
-from studykit.choreography.dance_library import SegmentDistances, mean_of_pairs, require_segments
+from studykit.choreography.dance_library import SegmentDistances, mean_of_pairs
 from studykit.choreography.reduction import reduced
 from studykit.core.errors import InputError
 from studykit.core.seeding import stream
@@ -87,12 +87,6 @@ def test_displacement_is_the_mean_over_joints(library) -> None:
     )
     assert library.displacement(1, 4) == pytest.approx(expected)
     assert library.displacement(4, 1) != library.displacement(1, 4)
-
-
-def test_too_few_segments_are_refused(library) -> None:
-    require_segments(library, 6)
-    with pytest.raises(InputError, match=r"^made-up: the library has 6 segments, .* needs 8; add takes"):
-        require_segments(library, 8)
 
 
 def spoilt(library, name: str, value: float = np.nan):

@@ -2,15 +2,19 @@ from __future__ import annotations
 
 import asyncio
 import json
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from studykit.choreography.choreograph import dance
+from studykit.choreography.targets import goals
 from studykit.core.errors import InputError
 from studykit.io.protocol_file import read_protocol, write_protocol
 from studykit.participant.effects import NONE
 from studykit.protocol.study_protocol import StudyProtocol
+from studykit.session.runner import check_dances
 from studykit.session.study import open_study
 
 
@@ -133,3 +137,25 @@ def test_dances_must_be_those_of_the_protocol(
     with pytest.raises(InputError, match="lasts 4 s, but the protocol says 8 s"):
         other.simulate(small_dances)
     assert bytes_below(study.path) == {key[6:]: value for key, value in before.items()}
+
+
+def test_dances_must_spare_what_the_protocol_spares(
+    tmp_path: Path, small_protocol: StudyProtocol, made_library, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = made_library(20)
+    # Whether single segments are as intense as asked is not the question here.
+    monkeypatch.setattr(
+        import_module("studykit.choreography.choreograph"), "require_reachable", lambda *_: None
+    )
+    spared = {"joints": ["right_hand"], "weight": 0.0, "speed_percentile": 60.0, "cost_weight": 0.2}
+    values = small_protocol.model_dump(mode="json")
+    careful = StudyProtocol.model_validate(values | {"dance": values["dance"] | {"spare": spared}})
+    free, held = (
+        {name: dance(one, library, is_preview=True) for name, one in goals(protocol, library).items()}
+        for protocol in (small_protocol, careful)
+    )
+    study = open_study(tmp_path / "pilot", protocol=careful)
+    with pytest.raises(InputError, match="light-easy-on does not spare right_hand, as the protocol says"):
+        study.simulate(free)
+    check_dances(held, careful)
+    check_dances(free, small_protocol)
