@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from studykit.choreography.dance import Dance, DanceMeasures
     from studykit.choreography.dance_library import DanceLibrary
     from studykit.choreography.goal import Goal
+    from studykit.choreography.preset import Preset
     from studykit.motion.joint_mask import JointMask
-    from studykit.protocol.study_protocol import DancePlan
+    from studykit.protocol.study_protocol import DancePlan, StudyProtocol
 
 HELP = """Find dances that are as intense, varied, long and smooth as asked, around an injury if need be.
 
@@ -32,7 +33,10 @@ What was asked and how close it came is printed; the page dances.html plays the 
 of each joint. Beside it lie the movement (.npz of AMASS, .bvh, .glb) and every number (.json).
 
 A goal that the library cannot reach is refused before any search, with the nearest values that it can; with
---nearest they are danced. Ctrl-C keeps the best dance found so far.
+--nearest they are danced, and the page says so. A dance that is there already stays. Ctrl-C keeps the best
+that was found for a single dance, and of a protocol the dances that are finished.
+
+Goals that follow a heart rate come from Python: see choreography.schedule.heart_rate_profile.
 """
 
 
@@ -47,30 +51,52 @@ def choreograph(
         float | None, typer.Option(help="Seconds, a multiple of 4; instead of the protocol's.")
     ] = None,
     intensity: Annotated[
-        str, typer.Option(help="One dance: light, intense, or a percentile of the library, 0 to 100.")
-    ] = "light",
+        str | None,
+        typer.Option(
+            help="One dance: light, intense, or a percentile of the library, 0 to 100.", show_default="light"
+        ),
+    ] = None,
     variety: Annotated[
-        str, typer.Option(help="One dance: easy, hard, or a share of the distance of unrelated segments.")
-    ] = "easy",
-    transition: Annotated[str, typer.Option(help="One dance: on, or off for joins left to chance.")] = "on",
+        str | None,
+        typer.Option(
+            help="One dance: easy, hard, or a share of the distance of unrelated segments.",
+            show_default="easy",
+        ),
+    ] = None,
+    transition: Annotated[
+        str | None,
+        typer.Option(help="One dance: on, or off for joins left to chance.", show_default="on"),
+    ] = None,
     schedule: Annotated[
         str | None,
         typer.Option(help="One dance of blocks: hiit, waves or warm-up, instead of a length and levels."),
     ] = None,
     spare: Annotated[
         list[str] | None,
-        typer.Option(help="A joint to spare, with all beyond it, such as right_elbow; may be repeated."),
+        typer.Option(
+            help="A joint to spare, with all beyond it, such as right_elbow; may be repeated. "
+            "Joints that the protocol spares stay spared."
+        ),
     ] = None,
     speed_percentile: Annotated[
-        float,
-        typer.Option(min=0.0, max=100.0, help="Spared joints stay below this percentile of the library."),
-    ] = 50.0,
+        float | None,
+        typer.Option(
+            min=0.0,
+            max=100.0,
+            help="All spared joints stay below this percentile of the library.",
+            show_default="50, or the protocol's",
+        ),
+    ] = None,
     splice: Annotated[
         bool,
         typer.Option("--splice", help="Put calm arms on segments in which a spared arm would move too fast."),
     ] = False,
     stage: Annotated[
-        str | None, typer.Option(help="Width and depth in m that a dance keeps to, such as 3x2.5.")
+        str | None,
+        typer.Option(
+            help="Width and depth in m that the pelvis keeps within, such as 3x2.5; hands and feet "
+            "reach beyond, how far is told."
+        ),
     ] = None,
     weight: Annotated[
         list[str] | None,
@@ -79,7 +105,7 @@ def choreograph(
     preset: Annotated[str | None, typer.Option(help="studykit, or paper for the printed formulas.")] = None,
     seed: Seed = 0,
     nearest: Annotated[
-        bool, typer.Option("--nearest", help="Dance what comes nearest where a goal is out of reach.")
+        bool, typer.Option("--nearest", help="One dance: what comes nearest where the goal is out of reach.")
     ] = False,
     joints: Annotated[
         bool, typer.Option("--joints", help="Also write where every joint is at every time, as .csv.")
@@ -88,49 +114,109 @@ def choreograph(
     json: AsJson = False,
 ) -> None:
     """Find dances; what is shown is `HELP`."""
-    from studykit.choreography.request import requested
-    from studykit.choreography.targets import goals
     from studykit.io.protocol_file import default_protocol, read_protocol
     from studykit.library import open_library
     from studykit.library.dance_file import write_dances
+    from studykit.library.wishes import stage_size
     from studykit.reports.dance_page import write_dance_page
 
+    levels = {"--intensity": intensity, "--variety": variety}
+    words = {**levels, "--transition": transition}
+    if protocol is not None:
+        _refuse(
+            {**words, "--schedule": schedule},
+            "the conditions of a protocol say this",
+            "leave it out, or dance without --protocol",
+        )
+        _refuse({"--nearest": nearest}, "the dances of a study must be what its conditions say", _OTHER_GOALS)
+    if schedule is not None:
+        _refuse({**levels, "--duration": duration}, "a schedule has its own", "leave it or --schedule out")
+    stage_m = None if stage is None else stage_size(stage)
     read = read_protocol(protocol or default_protocol())
     plan = _changed(read.dance, duration, preset, weight or [])
     opened = open_library(library)
     note_compiling()
-    mask = _mask(spare or [], speed_percentile, opened, splice=splice)
+    mask = _mask(plan, spare or [], speed_percentile, opened, splice=splice)
+    # Words and limits are measured on the library itself, whatever arms it gets.
+    if protocol is not None:
+        wanted = _conditions(read.model_copy(update={"dance": plan}), opened, mask)
+    else:
+        wanted = _one_dance(plan, words, schedule, opened, mask)
     if splice and mask is not None:
         from studykit.choreography.splicing import spliced
 
         opened = spliced(opened, mask, progress=show.progress)
-    if protocol is not None:
-        wanted = goals(read.model_copy(update={"dance": plan}), opened)
-        if mask is not None:
-            wanted = {name: replace(goal, mask=mask) for name, goal in wanted.items()}
-    else:
-        goal = requested(
-            opened,
-            duration_s=plan.duration_s,
-            intensity=_level(intensity),
-            variety=_level(variety),
-            transition=_level(transition),
-            spare=() if mask is None else mask,
-            schedule=schedule,
-            plan=plan,
-        )
-        wanted = {goal.condition: goal}
-    made = _danced(wanted, opened, seed=seed, stage_m=_stage(stage), takes_nearest=nearest)
-    write_dances(made, out, with_joint_tables=joints)
-    page = write_dance_page(made, out / "dances.html", library_name=opened.name)
+    wanted = _within_reach(wanted, opened, takes_nearest=nearest)
+    made = _danced(wanted, opened, out, seed=seed, stage_m=stage_m, is_study=protocol is not None)
+    if made:
+        write_dances(made, out, with_joint_tables=joints)
+        page = write_dance_page(made, out / "dances.html", library_name=opened.name)
     if json:
         show.as_json({name: made[name].to_dict() | {"trace": []} for name in made})
-    else:
+    elif made:
         print_dances(made, opened)
         show.say(f"Watch {'it' if len(made) == 1 else 'them'}: {page}")
         show.say(f"Written to {out}: .bvh and .glb open in Blender, .npz is an archive as of AMASS.")
-    if open_page:
+    if open_page and made:
         typer.launch(page.resolve().as_uri())
+    _end_if_interrupted(made, wanted)
+
+
+_STOPPED = 130
+_OTHER_GOALS = "leave --nearest out, and change what the protocol's words mean or add takes"
+
+
+def _refuse(said: Mapping[str, object], problem: str, remedy: str) -> None:
+    """Refuse options that would change nothing, or not what they seem to."""
+    names = [name for name, value in said.items() if value is not None and value is not False]
+    if names:
+        raise InputError(problem, where=" and ".join(names), remedy=remedy)
+
+
+def _conditions(protocol: StudyProtocol, library: DanceLibrary, mask: JointMask | None) -> dict[str, Goal]:
+    from studykit.choreography.targets import goals
+
+    return {
+        name: goal if mask is None else replace(goal, mask=_as_the_preset_has_it(mask, goal.preset))
+        for name, goal in goals(protocol, library).items()
+    }
+
+
+def _as_the_preset_has_it(mask: JointMask, preset: Preset) -> JointMask:
+    from studykit.motion.joint_mask import JointMask
+
+    return JointMask(weights=mask.weights) if preset.masks_energies else mask
+
+
+def _one_dance(
+    plan: DancePlan,
+    words: Mapping[str, str | None],
+    schedule: str | None,
+    library: DanceLibrary,
+    mask: JointMask | None,
+) -> dict[str, Goal]:
+    from studykit.choreography.request import requested
+
+    said = {name.strip("-"): word for name, word in words.items() if word is not None}
+    levels: dict[str, Any] = {name: _level(word) for name, word in said.items()}
+    goal = requested(
+        library,
+        duration_s=plan.duration_s,
+        spare=() if mask is None else mask,
+        schedule=schedule,
+        plan=plan,
+        **levels,
+    )
+    return {goal.condition: goal}
+
+
+def _end_if_interrupted(made: Mapping[str, Dance], wanted: Mapping[str, Goal]) -> None:
+    missing = [name for name in wanted if name not in made]
+    if missing:
+        show.note(f"INTERRUPTED: there is no dance yet for {', '.join(missing)}.")
+        raise typer.Exit(_STOPPED)
+    if any(dance.is_interrupted for dance in made.values()):
+        raise SystemExit(_STOPPED)  # what was kept is said; the same command would not go on
 
 
 def note_compiling() -> None:
@@ -142,16 +228,11 @@ def note_compiling() -> None:
         show.note("The search compiles itself once; this takes some seconds.")
 
 
-def _danced(
-    wanted: Mapping[str, Goal],
-    library: DanceLibrary,
-    *,
-    seed: int,
-    stage_m: tuple[float, float] | None,
-    takes_nearest: bool,
-) -> dict[str, Dance]:
-    """Dance every goal, or what comes nearest to it."""
-    from studykit.choreography.choreograph import dance, require_dances
+def _within_reach(
+    wanted: Mapping[str, Goal], library: DanceLibrary, *, takes_nearest: bool
+) -> dict[str, Goal]:
+    """Give every goal, or in its place what comes nearest to it, with a note that says so."""
+    from studykit.choreography.choreograph import require_dances
     from studykit.choreography.reach import OutOfReachError
 
     chosen = dict(wanted)
@@ -161,15 +242,43 @@ def _danced(
         except OutOfReachError as error:
             if not takes_nearest:
                 raise
-            show.note(str(error))
             chosen[name] = error.nearest
-    if len(chosen) == 1:
-        ((name, goal),) = chosen.items()
-        return {name: dance(goal, library, seed=seed, stage_m=stage_m, progress=show.progress)}
-    return {
-        name: dance(goal, library, seed=seed, stage_m=stage_m)
-        for name, goal in show.progress(chosen.items(), label="Choreographing", total=len(chosen))
+    return chosen
+
+
+def _danced(
+    wanted: Mapping[str, Goal],
+    library: DanceLibrary,
+    out: Path,
+    *,
+    seed: int,
+    stage_m: tuple[float, float] | None,
+    is_study: bool,
+) -> dict[str, Dance]:
+    """Dance every goal that was not danced before; of a study, only what was finished."""
+    from studykit.choreography.choreograph import dance
+    from studykit.library.kept_dance import kept_dance
+
+    kept = {
+        name: kept_dance(out, name, goal, library, seed=seed, stage_m=stage_m)
+        for name, goal in wanted.items()
     }
+    made = {name: there for name, there in kept.items() if there is not None}
+    missing = {name: goal for name, goal in wanted.items() if name not in made}
+    if not is_study:
+        return made | {
+            name: dance(goal, library, seed=seed, stage_m=stage_m, progress=show.progress)
+            for name, goal in missing.items()
+        }
+    try:
+        for name, goal in show.progress(missing.items(), label="Choreographing", total=len(missing)):
+            found = dance(goal, library, seed=seed, stage_m=stage_m)
+            if found.is_interrupted:
+                break
+            made[name] = found
+    except KeyboardInterrupt:
+        pass  # between two searches
+    return {name: made[name] for name in wanted if name in made}
 
 
 def _changed(
@@ -197,16 +306,33 @@ def _changed(
 
 
 def _mask(
-    joints: Sequence[str], percentile: float, library: DanceLibrary, *, splice: bool
+    plan: DancePlan,
+    joints: Sequence[str],
+    percentile: float | None,
+    library: DanceLibrary,
+    *,
+    splice: bool,
 ) -> JointMask | None:
-    from studykit.choreography.targets import limited
-    from studykit.motion.joint_mask import spare
+    """Spare what the plan spares and what is named; of two limits the stricter holds."""
+    from studykit.choreography.preset import PRESETS
+    from studykit.choreography.request import SPEED_PERCENTILE
+    from studykit.choreography.targets import limited, spared_by
+    from studykit.motion.joint_mask import JointMask, spare
 
-    if not joints:
-        if splice:
-            raise InputError("no joint is spared", where="--splice", remedy="name one with --spare")
+    mask = spared_by(plan, library)
+    if joints:
+        named = limited(spare(joints), library, SPEED_PERCENTILE if percentile is None else percentile)
+        mask = named if mask is None else mask.stricter(named)
+    if mask is None:
+        idle = {"--splice": splice, "--speed-percentile": percentile}
+        _refuse(idle, "no joint is spared", "name one with --spare")
         return None
-    return limited(spare(joints), library, percentile)
+    if percentile is None:
+        return mask
+    if PRESETS[plan.preset].masks_energies and not splice:
+        said = {"--speed-percentile": percentile}
+        _refuse(said, "the printed formulas limit no joint", "leave it out, or use the preset studykit")
+    return mask.stricter(limited(JointMask(weights=mask.weights), library, percentile))
 
 
 def _level(word: str) -> Any:
@@ -217,20 +343,11 @@ def _level(word: str) -> Any:
         return word
 
 
-def _stage(text: str | None) -> tuple[float, float] | None:
-    if text is None:
-        return None
-    try:
-        width, depth = (float(number) for number in text.lower().split("x"))
-    except ValueError:
-        width = depth = 0.0
-    if not (0.0 < width < float("inf") and 0.0 < depth < float("inf")):
-        raise InputError(f"{text!r} is no stage", where="--stage", remedy="say width x depth, such as 3x2.5")
-    return width, depth
-
-
 def print_dances(dances: Mapping[str, Dance], library: DanceLibrary) -> None:
     """Print what was asked for and what was found."""
+    for name, dance in dances.items():
+        if dance.note:
+            show.say(f"NOTE on {name}: {dance.note}")
     if library.is_synthetic:
         show.say("SYNTHETIC movement: nobody danced these segments.")
     show.table([_row(name, dance) for name, dance in dances.items()])
@@ -241,15 +358,39 @@ def print_dances(dances: Mapping[str, Dance], library: DanceLibrary) -> None:
             show.table(
                 [{"block": n + 1} | _measures(b.achieved, b.asked) for n, b in enumerate(dance.blocks)]
             )
-        limits = [
-            f"{joint} {told['peak_rad_s']:.2f} of {told['limit_rad_s']:.2f} rad/s"
-            for joint, told in dance.joints().items()
-            if told["limit_rad_s"] is not None
-        ]
-        if limits:
-            show.say(f"{name} spares: {'; '.join(limits)}")
+        for line in (_limits(dance), _space(dance)):
+            if line:
+                show.say(f"{name} {line}")
         if dance.is_interrupted:
             show.say(f"INTERRUPTED: {name} is the best dance found until then.")
+
+
+def _limits(dance: Dance) -> str:
+    """Say how near each spared joint comes to its limits, and which are not kept."""
+    units = {"limit_rad_s": ("peak_rad_s", "rad/s"), "angle_limit_rad": ("angle_rad", "rad")}
+    lines = []
+    for joint, told in dance.joints().items():
+        parts = [
+            f"{told[value]:.2f} of {told[limit]:.2f} {unit}"
+            for limit, (value, unit) in units.items()
+            if told[limit] is not None
+        ]
+        if parts:
+            lines.append(f"{joint} {' and '.join(parts)}{'' if told['is_kept'] else ', BEYOND'}")
+    return f"spares: {'; '.join(lines)}" if lines else ""
+
+
+def _space(dance: Dance) -> str:
+    """Say which space the dance takes, where it has a stage."""
+    if dance.animation.stage_m is None:
+        return ""
+    from studykit.reports.dance_facts import beyond_stage_m
+
+    width, depth = dance.animation.stage_m
+    beyond = 100.0 * beyond_stage_m(dance)
+    return (
+        f"keeps its pelvis within {width:g} x {depth:g} m; hands and feet reach up to {beyond:.0f} cm beyond"
+    )
 
 
 def _row(name: str, dance: Dance) -> dict[str, str]:

@@ -35,15 +35,19 @@ intensity    light, intense, or a percentile of the library, 0 to 100
 variety      easy, hard, or a share of the distance of unrelated segments
 transition   on, or off for joins that need not be smooth
 spare        joints, separated by spaces or ;
+speed_percentile
+             spared joints stay below this percentile of the library, 0 to
+             100; 50 if not given
 schedule     hiit, waves or warm-up, instead of one length and level
+stage        width x depth in m that the pelvis keeps within, such as 3x2.5
 seed         the same gives the same dance; if not given, everybody gets
              one of their own, drawn from --seed
 
 The whole table is checked first. Then come OUT/PARTICIPANT/NAME.npz, .bvh, .glb and .json, and
 OUT/dances.csv with what was asked and achieved. The same command again makes only what is missing, after
 Ctrl-C or a power cut too; the number of processes changes no byte. Dances that are out of reach are listed
-with the nearest that can be had, and do not stop the others. With --dask all machines must see the library
-and OUT at these paths.
+with the nearest that can be had, those that are refused with the reason; they do not stop the others. With
+--dask all machines must see the library and OUT at these paths.
 """
 
 

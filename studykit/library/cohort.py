@@ -19,11 +19,13 @@ from studykit.choreography.dance import Dance
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.choreography.goal import Goal
 from studykit.choreography.measures import Measures
+from studykit.choreography.reach import OutOfReachError
 from studykit.core.durable import put
 from studykit.core.errors import InputError
 from studykit.core.parallel import spread
 from studykit.core.progress import Progress, silent
 from studykit.library.dance_file import read_dance, write_dances
+from studykit.library.kept_dance import kept_dance
 from studykit.library.store import open_library
 from studykit.library.wishes import Wish, read_wishes
 
@@ -71,7 +73,8 @@ def make_cohort(
         One row a wish, in their order, also in OUT/dances.csv: `participant, name, seed, status, reason`,
         what was asked, achieved within the segments and blended (energies in J per kg), which goals are
         missed, how joins jump, and the peak speed of spared joints against their limits. `status` is "made",
-        "out of reach", "refused" (another dance of this name is there, or a broken one) or "interrupted".
+        "out of reach" (the reason names the nearest), "refused" (no dance was found, or another one of this
+        name, or a broken one, is there) or "interrupted".
 
     Raises
     ------
@@ -149,28 +152,24 @@ def make_dance(wish: Wish, library: Path, sha256: str, out: Path) -> dict[str, A
         If the search was interrupted: its best dance so far is none that could be made again.
     """
     opened, folder = _opened(library, sha256), out / wish.participant
+    seed, stage_m = wish.seed or 0, wish.stage_m
     try:
         goal = wish.goal(opened)
-        is_there = (folder / f"{wish.name}.json").exists()
-        made = None if is_there else _danced(goal, opened, wish.seed or 0)
-    except InputError as error:
+        kept = kept_dance(folder, wish.name, goal, opened, seed=seed, stage_m=stage_m)
+        made = kept or _danced(goal, opened, seed=seed, stage_m=stage_m)
+    except OutOfReachError as error:
         return _row(wish, OUT_OF_REACH, reason=str(error))
-    if made is not None:
-        for part in folder.glob(f".{glob.escape(wish.name)}.*.partial"):  # of a process that was killed
-            part.unlink(missing_ok=True)
-        write_dances({wish.name: made}, folder)
-    try:
-        kept = read_dance(folder, wish.name)
-        _require_same(kept, goal, wish, opened)
     except InputError as error:
         return _row(wish, REFUSED, reason=str(error))
-    if made is None:
-        write_dances({wish.name: kept}, folder)  # a view that was removed comes back
-    return _row(wish, MADE) | _told(kept, goal)
+    if kept is None:
+        for part in folder.glob(f".{glob.escape(wish.name)}.*.partial"):  # of a process that was killed
+            part.unlink(missing_ok=True)
+    write_dances({wish.name: made}, folder)  # of one that is there, a view that was removed comes back
+    return _row(wish, MADE) | _told(made if kept else read_dance(folder, wish.name), goal)
 
 
-def _danced(goal: Goal, library: DanceLibrary, seed: int) -> Dance:
-    made = dance(goal, library, seed=seed, workers=1)
+def _danced(goal: Goal, library: DanceLibrary, *, seed: int, stage_m: tuple[float, float] | None) -> Dance:
+    made = dance(goal, library, seed=seed, stage_m=stage_m, workers=1)
     if made.is_interrupted:
         raise KeyboardInterrupt
     return made
@@ -187,26 +186,6 @@ def _opened(library: Path, sha256: str) -> DanceLibrary:
             remedy="give every machine the same library and begin again",
         )
     return opened
-
-
-def _require_same(kept: Dance, goal: Goal, wish: Wish, library: DanceLibrary) -> None:
-    """Refuse a dance that was made for another wish, or of another library."""
-    spared = [None if mask is None else mask.to_dict() for mask in (kept.mask, goal.mask)]
-    differs = {
-        "library": kept.library_sha256 != library.sha256,
-        "seed": kept.seed != wish.seed,
-        "goal": (kept.condition, kept.preset) != (goal.condition, goal.preset.name)
-        or tuple(block.asked for block in kept.blocks) != tuple(block.measures for block in goal.blocks)
-        or kept.weights != goal.objective(library).weights,
-        "choice of joints": spared[0] != spared[1],
-    }
-    others = " and ".join(f"another {name}" for name, is_other in differs.items() if is_other)
-    if others:
-        raise InputError(
-            f"the dance that is there has {others}",
-            where="/".join(filter(None, (wish.participant, wish.name))),
-            remedy="give this one another name, or remove it",
-        )
 
 
 COLUMNS = (

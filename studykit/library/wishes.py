@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from math import inf
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -15,11 +16,12 @@ from pydantic import Field, ValidationError, field_validator
 
 from studykit.choreography.dance_library import DanceLibrary
 from studykit.choreography.goal import Goal
-from studykit.choreography.request import DEFAULT_S, requested
+from studykit.choreography.request import DEFAULT_S, SPEED_PERCENTILE, requested
+from studykit.choreography.targets import limited
 from studykit.core.errors import InputError, nearest
 from studykit.core.seeding import stream
 from studykit.io.toml_file import line_of, read_model
-from studykit.motion.joint_mask import JointMask
+from studykit.motion.joint_mask import JointMask, spare
 from studykit.protocol.part import Part, refuse_repeats
 
 _LONGEST_NAME = 100
@@ -36,7 +38,11 @@ class Wish(Part):
     variety: str | float = Field(default="easy", description="easy, hard, or a share, such as 0.7")
     transition: str = Field(default="on", description="on or off")
     spare: tuple[str, ...] = Field(default=(), description="joints, separated by spaces or ;")
+    speed_percentile: float | None = Field(
+        default=None, ge=0.0, le=100.0, description="a percentile of the library, 0 to 100"
+    )
     schedule: str | None = Field(default=None, description="hiit, waves or warm-up, instead of one level")
+    stage: str | None = Field(default=None, description="width x depth in m, such as 3x2.5")
     seed: int | None = Field(default=None, ge=0, lt=_MOST, description="a whole number; drawn if not given")
 
     @field_validator("intensity", "variety", mode="before")
@@ -62,6 +68,18 @@ class Wish(Part):
             raise InputError(f"{len(said)} letters are too long for a file", remedy="use a shorter name")
         return said
 
+    @field_validator("stage")
+    @classmethod
+    def _has_two_sides(cls, said: str | None) -> str | None:
+        if said is not None:
+            stage_size(said)
+        return said
+
+    @property
+    def stage_m(self) -> tuple[float, float] | None:
+        """Width and depth that the pelvis keeps within, m."""
+        return None if self.stage is None else stage_size(self.stage)
+
     def goal(self, library: DanceLibrary) -> Goal:
         """Say in numbers what is wished for; dances that spare the same joints share one mask.
 
@@ -78,13 +96,33 @@ class Wish(Part):
             transition=self.transition,  # type: ignore[arg-type]
             schedule=self.schedule,
         )
-        return replace(goal, mask=_mask(library, self.spare)) if self.spare else goal
+        if not self.spare:
+            return goal
+        percentile = SPEED_PERCENTILE if self.speed_percentile is None else self.speed_percentile
+        return replace(goal, mask=_mask(library, self.spare, percentile))
 
 
 @lru_cache(maxsize=8)
-def _mask(library: DanceLibrary, spare: tuple[str, ...]) -> JointMask | None:
+def _mask(library: DanceLibrary, joints: tuple[str, ...], percentile: float) -> JointMask:
     """Give one mask for the same joints, by which the search knows what it has prepared."""
-    return requested(library, spare=spare).mask
+    return limited(spare(joints), library, percentile)
+
+
+def stage_size(text: str) -> tuple[float, float]:
+    """Read a stage such as "3x2.5": width and depth, m.
+
+    Raises
+    ------
+    InputError
+        If it is none, or a side is not above 0.
+    """
+    try:
+        width, depth = (float(number) for number in text.lower().split("x"))
+    except ValueError:
+        width = depth = 0.0
+    if not (0.0 < width < inf and 0.0 < depth < inf):
+        raise InputError(f"{text!r} is no stage", where="stage", remedy="say width x depth, such as 3x2.5")
+    return width, depth
 
 
 def read_wishes(path: str | Path, library: DanceLibrary, *, seed: int = 0) -> tuple[Wish, ...]:
@@ -148,6 +186,8 @@ def _named(wish: Wish, library: DanceLibrary, seed: int) -> Wish:
             where="schedule",
             remedy="leave one or the other empty",
         )
+    if wish.speed_percentile is not None and not wish.spare:
+        raise InputError("no joint is spared", where="speed_percentile", remedy="name one under spare")
     goal = wish.goal(library)
     name = wish.name or goal.condition.replace("schedule", wish.schedule or "schedule")
     drawn = int(stream(seed, "cohort", wish.participant, name).integers(_MOST))

@@ -12,7 +12,7 @@ import numpy as np
 from studykit.choreography.goal import ENERGY_HIT
 from studykit.figures import film, style
 from studykit.figures.body import topmost
-from studykit.motion import kinematics
+from studykit.motion import kinematics, stage
 from studykit.reports.numbers import number, percent
 
 if TYPE_CHECKING:
@@ -52,11 +52,6 @@ class Reading:
     def off(self) -> float | None:
         """By how much of the target the movement as shown misses it."""
         return self.shown / self.asked - 1.0 if self.asked else None
-
-    @property
-    def found_off(self) -> float | None:
-        """By how much of the target the segments miss it."""
-        return self.achieved / self.asked - 1.0 if self.asked else None
 
     @property
     def is_close(self) -> bool:
@@ -102,8 +97,9 @@ def facts(dance: Dance, body_mass_kg: float) -> dict[str, Any]:
         "condition": dance.condition,
         "is_synthetic": dance.is_synthetic,
         "is_interrupted": dance.is_interrupted,
+        "note": dance.note,
         "asked": _asked(dance, whole, body_mass_kg),
-        "came": [_came(whole), *_joined(dance), *_kept(spared)],
+        "came": [_came(whole), *_joined(dance), *_kept(spared), *_space(dance)],
         "asked_s": dance.asked.duration_s,
         "shown_s": dance.achieved_blended.duration_s,
         "readings": whole,
@@ -196,7 +192,7 @@ def _origin(segment: DanceSegment) -> str:
 def _joining(animation: Animation) -> str:
     words = "joins smoothed, standing feet held" if animation.is_cleaned else "joins and feet as they come"
     if animation.stage_m is not None:
-        words += "; keeps to {:g} × {:g} m".format(*animation.stage_m)
+        words += "; the pelvis keeps within {:g} × {:g} m".format(*animation.stage_m)
     return f"{animation.blend}; {words}"
 
 
@@ -249,6 +245,25 @@ def _kept(spared: list[dict[str, Any]]) -> list[str]:
     if broken:
         return [f"Beyond its limit: {', '.join(broken)}; the {fullest['name']} reaches {most}."]
     return [f"Every spared joint stays below its limit; the {fullest['name']} comes nearest, at {most}."]
+
+
+def beyond_stage_m(dance: Dance) -> float:
+    """Give how far a joint reaches out of the stage at most, which binds the pelvis alone; 0 without one."""
+    if dance.animation.stage_m is None:
+        return 0.0
+    # The stage lies about the place of the pelvis in the first frame.
+    places = np.vstack(
+        [dance.motion.root_positions[:1], kinematics.joint_positions(dance.motion).reshape(-1, 3)]
+    )
+    return stage.excess_m(places, dance.animation.stage_m)
+
+
+def _space(dance: Dance) -> list[str]:
+    if dance.animation.stage_m is None:
+        return []
+    width, depth = dance.animation.stage_m
+    beyond = f"hands and feet reach up to {100.0 * beyond_stage_m(dance):.0f} cm beyond"
+    return [f"The pelvis keeps within {width:g} × {depth:g} m; {beyond}."]
 
 
 def _blocks(dance: Dance, body_mass_kg: float) -> list[dict[str, Any]]:

@@ -10,12 +10,12 @@ import numpy as np
 from studykit.figures.film import letters
 from studykit.motion import kinematics
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
+from studykit.motion.joint_mask import JointMask
 from studykit.motion.segmentation import SEGMENT_S
 from studykit.widgets.player.watch import origin
 
 if TYPE_CHECKING:
     from studykit.choreography.dance import Dance, DanceMeasures
-    from studykit.motion.joint_mask import JointMask
 
 _MEASURES: Final = (
     ("duration_s", "duration", "s", 1.0),
@@ -78,24 +78,27 @@ def measure_rows(
 
 
 def joint_rows(dance: Dance, mask: JointMask | None) -> list[dict[str, Any]]:
-    """Tell of each joint how fast it turns at most in the movement as shown, and whether it may.
+    """Tell of each joint how fast it turns at most in the movement as shown, and whether it keeps its limits.
 
     Returns
     -------
     list of dict
-        `joint`, `peak_rad_s`, `limit_rad_s` (None where there is none), `is_within`.
+        `joint`, `peak_rad_s`, `limit_rad_s` (None where there is none), `is_within` (of angles too).
     """
     motion = dance.motion
     peaks = kinematics.angular_speeds(motion.rotations, motion.frame_rate_hz).max(axis=0)
-    limits = np.full(len(peaks), np.inf) if mask is None else mask.speed_limits_rad_s
+    limited = mask or JointMask()
+    is_kept = limited.keeps(peaks, kinematics.rest_angles(motion.rotations).max(axis=0))
     return [
         {
             "joint": name,
             "peak_rad_s": float(peak),
             "limit_rad_s": float(limit) if np.isfinite(limit) else None,
-            "is_within": bool(peak <= limit),
+            "is_within": bool(is_within),
         }
-        for name, peak, limit in zip(motion.skeleton.joint_names, peaks, limits, strict=True)
+        for name, peak, limit, is_within in zip(
+            motion.skeleton.joint_names, peaks, limited.speed_limits_rad_s, is_kept, strict=True
+        )
     ]
 
 

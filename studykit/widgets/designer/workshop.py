@@ -184,8 +184,12 @@ class Workshop:
             for row in block["measures"]
             if not row["is_hit"]
         ]
-        words = ", ".join(dict.fromkeys(missed))
-        close = f"Not close enough: {words}." if missed else "All is close enough."
+        rows = account.joint_rows(dance, goal.mask)
+        beyond = [row["joint"].replace("_", " ") for row in rows if not row["is_within"]]
+        verdicts = [f"Beyond its limit: {', '.join(beyond)}."] if beyond else []
+        if missed:
+            verdicts.append(f"Not close enough: {', '.join(dict.fromkeys(missed))}.")
+        close = " ".join(verdicts) or "All is close enough."
         if dance.is_interrupted:
             return f"The search was stopped; this is the best dance until then. {close}"
         return f"A quick look. {close}" if is_preview else f"Found. {close}"

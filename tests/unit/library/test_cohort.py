@@ -156,7 +156,10 @@ def test_a_dance_that_is_there_stays_and_one_that_is_missing_is_made_again(
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        (WISHES.replace("hard,off,head,4", "hard,off,head,5"), "has another seed; give this one"),
+        (
+            WISHES.replace("hard,off,head,4", "hard,off,head,5"),
+            "P02/still head: the dance that is there has another seed (4); give this one",
+        ),
         (WISHES.replace("light,hard,off", "intense,hard,off"), "has another goal"),
         (WISHES.replace("light,hard,off", "light,hard,on"), "has another goal"),
         (WISHES.replace("12,light,hard,off", "16,light,hard,off"), "has another goal"),
@@ -183,6 +186,46 @@ def test_dances_of_another_library_or_broken_ones_are_refused(
     assert table["status"].tolist() == ["refused", "out of reach", "refused", "refused"]
     assert "has another library" in table["reason"][0]
     assert "its movement is not the one that was written" in table["reason"][2]
+
+
+def test_a_dance_of_an_interrupted_search_or_of_another_stage_is_refused(
+    kept: Path, wishes: Path, library: Path, tmp_path: Path
+) -> None:
+    one = read_dances(kept / "P01")["one"]
+    for path in [*(kept / "P01").glob("one.*"), *(kept / "P02").glob("one.*")]:
+        path.unlink()
+    write_dances({"one": replace(one, is_interrupted=True)}, kept / "P01")
+    other = read_dances(kept / "P02")["still head"]
+    for path in (kept / "P02").glob("still head.*"):
+        path.unlink()
+    staged = replace(other, animation=replace(other.animation, stage_m=(3.0, 2.0)))
+    write_dances({"still head": staged}, kept / "P02")
+    table = make_cohort(wishes, library, kept, seed=7, workers=1)
+    assert table["status"].tolist() == ["refused", "out of reach", "made", "refused"]
+    assert "has a search that was interrupted;" in table["reason"][0]
+    assert "has another stage;" in table["reason"][3]
+    (tmp_path / "staged.csv").write_text(
+        "participant,name,duration_s,variety,transition,spare,stage,seed\n"
+        "P02,still head,12,hard,off,head,3x2,4\n"
+    )
+    assert make_cohort(tmp_path / "staged.csv", library, kept, seed=7)["status"].tolist() == ["made"]
+
+
+def test_a_wish_that_is_refused_is_not_called_out_of_reach(library: Path, tmp_path: Path) -> None:
+    (tmp_path / "wishes.csv").write_text("name,duration_s,variety,transition\nlong,400,hard,off\n")
+    (row,) = make_cohort(tmp_path / "wishes.csv", library, tmp_path / "out", workers=1).to_dict("records")
+    assert row["status"] == "refused"
+    assert "a dance that never repeats needs 100" in row["reason"]
+
+
+def test_a_stage_of_a_wish_reaches_the_dance(library: Path, tmp_path: Path) -> None:
+    (tmp_path / "wishes.csv").write_text("name,duration_s,transition,stage\nsmall,12,off,0.5x0.4\n")
+    make_cohort(tmp_path / "wishes.csv", library, tmp_path / "out", workers=1)
+    made = read_dances(tmp_path / "out")["small"]
+    assert made.animation.stage_m == (0.5, 0.4)
+    away = np.abs(made.motion.root_positions - made.motion.root_positions[0]).max(axis=0)
+    assert away[0] < 0.26
+    assert away[2] < 0.21
 
 
 def test_what_is_interrupted_keeps_what_is_finished_and_goes_on(

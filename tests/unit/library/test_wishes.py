@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from studykit.choreography.dance_library import DanceLibrary
@@ -111,6 +112,30 @@ def test_seeds_depend_on_who_dances_what_and_on_the_seed_given_but_on_no_other_r
 def test_dances_that_spare_the_same_joints_share_one_mask(read: Read, library: DanceLibrary) -> None:
     first, second, _ = read(CSV)
     assert first.goal(library).mask is second.goal(library).mask
+
+
+def test_limits_and_a_stage_are_said_as_on_the_command_line(read: Read, library: DanceLibrary) -> None:
+    calm, usual, strict = read("name,spare,speed_percentile,stage\na,head,20,3x2.5\nb,head,,\nc,head,0,2X2\n")
+    assert (calm.stage_m, usual.stage_m, strict.stage_m) == ((3.0, 2.5), None, (2.0, 2.0))
+    for wish, percentile in ((calm, 20.0), (usual, 50.0), (strict, 0.0)):
+        mask = wish.goal(library).mask
+        assert mask is not None
+        assert mask.speed_limits_rad_s[15] == np.percentile(library.peak_speeds[:, 15], percentile)
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("a,,50,", "line 2, speed_percentile: no joint is spared; name one under spare."),
+        ("a,head,101,", "line 2, speed_percentile: cannot read '101'; write a percentile"),
+        ("a,,,3", "line 2, stage: '3' is no stage; say width x depth, such as 3x2.5."),
+        ("a,,,0x3", "line 2, stage: '0x3' is no stage"),
+    ],
+)
+def test_a_limit_or_a_stage_that_cannot_be_is_refused(read: Read, row: str, said: str) -> None:
+    with pytest.raises(InputError) as error:
+        read(f"name,spare,speed_percentile,stage\n{row}\n")
+    assert said in str(error.value)
 
 
 @pytest.mark.parametrize(

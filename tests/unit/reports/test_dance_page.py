@@ -24,7 +24,7 @@ from studykit.motion.joint_mask import spare
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
 from studykit.reports import dance_page
-from studykit.reports.dance_facts import Reading, facts, segments, spared_joints
+from studykit.reports.dance_facts import Reading, beyond_stage_m, facts, segments, spared_joints
 from studykit.reports.dance_page import write_dance_page
 from studykit.reports.page import Picture
 
@@ -198,6 +198,27 @@ def test_a_joint_beyond_its_limit_is_named(made: Dance, page: Callable[..., str]
     assert "0.50 rad (29°)" in read
 
 
+def test_what_reaches_out_of_the_stage_is_told(made: Dance, page: Callable[..., str]) -> None:
+    places = kinematics.joint_positions(made.motion)[..., [0, 2]] - [0.5, -1.0]  # where the pelvis begins
+    reach_m = np.abs(places).max(axis=(0, 1))
+    narrow = replace(made, animation=replace(made.animation, stage_m=(0.5, 10.0)))
+    assert beyond_stage_m(narrow) == pytest.approx(reach_m[0] - 0.25)
+    assert reach_m[0] > 0.5  # arms
+    assert "The pelvis keeps within 0.5 × 10 m; hands and feet reach up to" in words(page(narrow))
+    free = replace(made, animation=replace(made.animation, stage_m=None))
+    assert beyond_stage_m(free) == 0.0
+    assert "The pelvis keeps" not in words(page(free))
+
+
+def test_a_note_stands_at_the_top_as_text(made: Dance, page: Callable[..., str]) -> None:
+    assert 'class="banner">Asked' not in page(made)
+    noted = replace(made, note=f"Asked for more {HOSTILE}", is_synthetic=False)
+    text = page(noted)
+    assert HOSTILE not in text
+    assert text.index('class="banner">Asked for more') < text.index("<h1>")
+    assert 'class="banner">dance 1: Asked for more' in page(made, noted)
+
+
 def test_segments_have_the_letters_and_colours_of_the_film_strip(
     made: Dance, page: Callable[..., str]
 ) -> None:
@@ -224,7 +245,7 @@ def test_the_search_and_its_source_are_told(made: Dance, page: Callable[..., str
         "Seed 7",
         "from the library made-up",
         "Arms were put in.",
-        "keeps to 3 × 2.5 m",
+        "the pelvis keeps within 3 × 2.5 m",
     ):
         assert told in read
 

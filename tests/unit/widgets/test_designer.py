@@ -17,9 +17,11 @@ from studykit.choreography.reach import OutOfReachError
 from studykit.core.errors import InputError
 from studykit.motion import kinematics
 from studykit.motion.blending import joined
+from studykit.motion.joint_mask import spare
 from studykit.motion.kinematics import joint_positions
 from studykit.widgets import dance_designer, watch
 from studykit.widgets.designer.settings import Settings
+from studykit.widgets.designer.workshop import Workshop
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 
@@ -148,6 +150,41 @@ def test_the_body_map_asks_for_a_mask(library: DanceLibrary, source: StandIn) ->
     motion = designer.dance.motion
     peaks = kinematics.angular_speeds(motion.rotations, motion.frame_rate_hz).max(axis=0)
     assert rows["left_hand"]["peak_rad_s"] == pytest.approx(peaks[22])
+
+
+def test_a_joint_beyond_its_limit_is_named_first_and_nothing_is_called_close(
+    library: DanceLibrary, source: StandIn
+) -> None:
+    designer = dance_designer(library, source=source)
+    goal = designer.goal
+    turned = kinematics.rest_angles(designer.dance.motion.rotations).max(axis=0)[15]
+    exact = SimpleNamespace(**vars(designer.dance))
+    exact.blocks = tuple(
+        SimpleNamespace(asked=b.asked, achieved=b.asked, achieved_blended=b.asked) for b in exact.blocks
+    )
+    workshop = Workshop(library, source=source)
+    for limit, said in ((0.9 * turned, "Beyond its limit: head."), (1.1 * turned, "All is close enough.")):
+        goal.mask = spare("head", angle_limits_rad=limit)
+        assert workshop.words(goal, exact, is_preview=True) == f"A quick look. {said}"
+    goal.mask = spare("head", angle_limits_rad=0.9 * turned)
+    assert workshop.words(goal, designer.dance, is_preview=False) == (
+        "Found. Beyond its limit: head. Not close enough: rotational energy."
+    )
+
+
+def test_a_preview_that_is_refused_says_why(library: DanceLibrary, source: StandIn) -> None:
+    designer = dance_designer(library, source=source)
+
+    def refused(*_: Any, **__: Any) -> Any:
+        raise InputError("head turns too fast in every dance", where="sample", remedy="allow more")
+
+    source.dance = refused  # type: ignore[method-assign]
+    designer.intensity = 40.0
+    assert designer.obstacle == {
+        "sentence": "sample: head turns too fast in every dance; allow more.",
+        "has_offer": False,
+    }
+    assert (designer.found, designer.dance, designer.joint_report) == ("", None, [])
 
 
 def test_targets_stand_beside_what_was_achieved(library: DanceLibrary, source: StandIn) -> None:
