@@ -114,7 +114,7 @@ def test_a_library_too_small_for_a_dance_that_never_repeats(
         "--out",
         tmp_path / "d",
     )
-    assert "24 segments" in sentence
+    assert "24 movements" in sentence
     assert not (tmp_path / "d").exists()
 
 
