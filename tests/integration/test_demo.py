@@ -128,6 +128,7 @@ def test_twenty_people_would_stay_below_200_megabytes(studies: tuple[Path, Path]
     assert 20 * a_person + rest < 200e6
 
 
+@pytest.mark.slow
 def test_a_second_run_adds_nothing_to_what_was_recorded_and_says_what_is_there(
     studies: tuple[Path, Path], folder: Path, protocol: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
