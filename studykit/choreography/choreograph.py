@@ -112,7 +112,7 @@ def dance(  # noqa: PLR0913
     with one_core():
         return _danced(
             goal,
-            _reachable(goal, library),
+            _reachable(goal, library, is_probed=not is_preview),
             seed=seed,
             is_preview=is_preview,
             workers=workers,
@@ -140,6 +140,9 @@ def _danced(  # noqa: PLR0913
     outcome = search(goal, known, seed=seed, is_preview=is_preview, workers=workers, progress=progress)
     best = outcome.ranked(goal)[0]
     missed = goal.misses(best.measures)
+    if is_preview and goal.preset.is_reached and (missed or not best.is_allowed):
+        # A first look asks what is within reach only where it does not get there itself.
+        within = _Within(known, require_reachable(goal, known))
     is_due = goal.preset.is_reached and not outcome.is_interrupted and not is_preview
     if within.witness is not None and ((is_due and missed) or not best.is_allowed):
         # It is known to be as asked, though its joins were left to chance.
@@ -175,7 +178,7 @@ def require_dances(wanted: Mapping[str, Goal], library: DanceLibrary) -> None:
         _reachable(goal, library)
 
 
-def _reachable(goal: Goal, library: DanceLibrary) -> _Within:
+def _reachable(goal: Goal, library: DanceLibrary, *, is_probed: bool = True) -> _Within:
     """Refuse what cannot be danced; give the segments that may be, and a dance that is as asked."""
     known = repertoire(library, goal.preset, goal.mask, goal.terms)
     most = max((block.segments for block in goal.blocks if block.novelty is None), default=1)
@@ -186,7 +189,7 @@ def _reachable(goal: Goal, library: DanceLibrary) -> _Within:
             where=known.library.name,
             remedy="add takes, allow more, or ask for a dance that is shorter or easier to remember",
         )
-    if not goal.preset.is_reached:
+    if not goal.preset.is_reached or not is_probed:
         return _Within(known, None)
     witness = require_reachable(goal, known)
     return _Within(known, None if goal.terms else witness)  # what was probed knows no further terms
