@@ -203,8 +203,8 @@ def test_a_take_asks_for_what_its_pieces_ask_and_for_the_steps_between_them(seed
         between += np.stack((SEGMENTS.masses * jump, SEGMENTS.inertias * turn)) / 48.0
     measured = np.stack((energy.linear_energy(positions, RATE), energy.rotational_energy(together, RATE)))
     assert measured == pytest.approx(np.sum(apart, axis=0) + between, rel=1e-9, abs=1e-15)
-    # Wrong: joins counted as dancing. One jump between unrelated poses outweighs a second of dancing.
-    assert measured.sum() > 1.5 * np.sum(apart)
+    # Wrong: joins counted as dancing. A jump between unrelated poses counts like much of a second of dancing.
+    assert measured.sum() > 1.1 * np.sum(apart)
 
 
 @pytest.fixture(scope="module")
