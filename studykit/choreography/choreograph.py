@@ -206,7 +206,7 @@ def _shown(goal: Goal, known: Repertoire, outcome: Outcome, animation: Animation
     ranked = [one for one in outcome.ranked(goal) if one.is_allowed]
     fewest = min((len(goal.misses(one.measures)) for one in ranked), default=0)
     alike = [one for one in ranked if len(goal.misses(one.measures)) == fewest][:_ANIMATED]
-    held = () if goal.mask is None else tuple(np.flatnonzero(goal.mask.limits_any).tolist())
+    held = () if goal.mask is None else tuple(np.flatnonzero(goal.mask.is_limited).tolist())
     shown: list[tuple[float, Found, Motion]] = []
     for one in alike:
         rows = [row for block in known.library_rows(one.blocks) for row in block]

@@ -318,11 +318,6 @@ class Dance:
         )
 
 
-def blended_measures(motion: Motion, variety: float) -> DanceMeasures:
-    """Measure a whole movement as shown, joins included."""
-    return measured(motion, (variety,), (round(len(motion) / SEGMENT_FRAMES),))[0]
-
-
 def measured(
     motion: Motion,
     varieties: tuple[float, ...],

@@ -225,7 +225,7 @@ def note_compiling() -> None:
 
     # Where the compiler keeps what it made, unless it was told otherwise.
     if not any(Path(kernel.__path__[0], "__pycache__").glob("running.run-*.nbi")):
-        show.note("The search compiles itself once; this takes some seconds.")
+        show.note("The search compiles itself once; this takes up to half a minute.")
 
 
 def _within_reach(

@@ -88,7 +88,7 @@ class JointMask:
         return np.asarray((speeds_rad_s <= self.speed_limits_rad_s) & (angles_rad <= self.angle_limits_rad))
 
     @property
-    def limits_any(self) -> Booleans:
+    def is_limited(self) -> Booleans:
         """Which joints have a limit, shape (24,)."""
         return np.asarray(np.isfinite(self.speed_limits_rad_s) | np.isfinite(self.angle_limits_rad))
 

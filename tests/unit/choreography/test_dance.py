@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from studykit.choreography.choreograph import dance
-from studykit.choreography.dance import Dance, blended_measures, measured
+from studykit.choreography.dance import Dance, measured
 from studykit.choreography.request import requested
 from studykit.choreography.schedule import BlockPlan
 from studykit.core.provenance import sha256_of_value
@@ -153,7 +153,7 @@ def test_the_digest_tells_dances_apart(made) -> None:
 
 def test_what_is_shown_is_measured_joins_included(library) -> None:
     motion = joined([library.motion(0), library.motion(5)])
-    shown = blended_measures(motion, 12.0)
+    shown = measured(motion, (12.0,), (round(motion.duration_s / 4.0),))[0]
     positions = kinematics.centred_positions(motion.skeleton, motion.rotations)
     assert shown.linear_energy == pytest.approx(energy.linear_energy(positions, 30.0).sum())
     assert shown.rotational_energy == pytest.approx(energy.rotational_energy(motion.rotations, 30.0).sum())
@@ -168,10 +168,10 @@ def test_a_step_between_two_blocks_belongs_to_the_later_one(library) -> None:
         root_positions=np.concatenate([motion.root_positions for motion in motions]),
     )
     first, second = measured(both, (1.0, 2.0), (1, 1))
-    alone = [blended_measures(motion, 0.0) for motion in motions]
+    alone = [measured(motion, (0.0,), (round(motion.duration_s / 4.0),))[0] for motion in motions]
     assert first.linear_energy == pytest.approx(alone[0].linear_energy)
     assert first.rotational_energy == pytest.approx(alone[0].rotational_energy)
-    whole = blended_measures(both, 0.0)
+    whole = measured(both, (0.0,), (round(both.duration_s / 4.0),))[0]
     jump = whole.rotational_energy - sum(one.rotational_energy for one in alone)
     assert jump > 0.0
     assert second.rotational_energy == pytest.approx(alone[1].rotational_energy + jump)

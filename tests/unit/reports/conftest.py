@@ -15,7 +15,7 @@ from studykit.choreography.dance import (
     DanceBlock,
     DanceMeasures,
     DanceSegment,
-    blended_measures,
+    measured,
 )
 from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import write_dances
@@ -44,7 +44,7 @@ def _dance(condition: str, number: int) -> Dance:
         root_positions=np.tile([0.0, 0.95, 0.0], (120, 1)),
         frame_rate_hz=30.0,
     )
-    shown = blended_measures(motion, variety=1.2 if "-hard-" in condition else 0.8)
+    shown = measured(motion, (1.2 if "-hard-" in condition else 0.8,), (round(motion.duration_s / 4.0),))[0]
     asked = DanceMeasures(**{name: 0.97 * value for name, value in shown.to_dict().items()})
     return Dance(
         condition=condition,
