@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
+from threading import Event
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +27,7 @@ from studykit.choreography.rjmcmc.repertoire import Repertoire, repertoire
 from studykit.choreography.rjmcmc.search import Outcome, search
 from studykit.choreography.targets import goals
 from studykit.core.errors import InputError
-from studykit.core.parallel import one_core
+from studykit.core.parallel import one_core, side_by_side
 from studykit.core.progress import Progress, silent
 from studykit.motion import kinematics
 from studykit.motion.animation import animate
@@ -62,14 +64,17 @@ def choreograph(
         If it is interrupted; single dances (`dance`) keep the best so far.
     """
     wanted = goals(protocol, library)
+    stop = Event()
+
+    def found(item: tuple[Goal, _Within]) -> Dance:
+        return _danced(*item, seed=seed, workers=1, stop=stop)
+
     with one_core():
-        within = {condition: _reachable(goal, library) for condition, goal in wanted.items()}
-        made = {}
-        for condition, goal in progress(wanted.items(), label="Choreographing", total=len(wanted)):
-            made[condition] = _danced(goal, within[condition], seed=seed)
-            if made[condition].is_interrupted:
-                raise KeyboardInterrupt  # the dances of a study are searched for to their end
-        return made
+        asked = list(wanted.values())
+        within = [_reachable(goal, library) for goal in asked[:1]]  # makes what all of them need
+        within += side_by_side(partial(_reachable, library=library), asked[1:], stop=stop)
+        made = side_by_side(found, zip(asked, within, strict=True), stop=stop)
+        return dict(zip(wanted, progress(made, label="Choreographing", total=len(wanted)), strict=True))
 
 
 def dance(  # noqa: PLR0913
@@ -129,6 +134,7 @@ def _danced(  # noqa: PLR0913
     is_preview: bool = False,
     workers: int | None = None,
     stage_m: tuple[float, float] | None = None,
+    stop: Event | None = None,
     progress: Progress = silent,
 ) -> Dance:
     animation = Animation(
@@ -137,7 +143,9 @@ def _danced(  # noqa: PLR0913
         stage_m=stage_m,
     )
     known = within.known
-    outcome = search(goal, known, seed=seed, is_preview=is_preview, workers=workers, progress=progress)
+    outcome = search(
+        goal, known, seed=seed, is_preview=is_preview, workers=workers, stop=stop, progress=progress
+    )
     best = outcome.ranked(goal)[0]
     missed = goal.misses(best.measures)
     if is_preview and goal.preset.is_reached and (missed or not best.is_allowed):

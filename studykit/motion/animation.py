@@ -93,7 +93,7 @@ def _smoothed(rotations: Floats, motion: Motion, held: Sequence[int]) -> Floats:
     skeleton = motion.skeleton
     free = [j for j in range(len(skeleton.parents)) if skeleton.children(j) and j not in held]
     wanted = kinematics.centred_positions(skeleton, rotations)
-    return fitted(rotations, wanted, skeleton, free=free, pull=_SMOOTHING, rounds=2)
+    return fitted(rotations, wanted, skeleton, free=free, pull=_SMOOTHING, rounds=1)
 
 
 def _lead(roots: Floats, rotations: Floats, windows: Integers, motion: Motion, stands: Booleans) -> None:

@@ -143,7 +143,9 @@ class FeatureScaler:
     def logarithmic(self, raw: Floats) -> Floats:
         """Take the logarithm of the kinetic channels, log(1 + k / k0); shape (..., 97) in and out."""
         values = np.array(raw, dtype=np.float64)
-        values[..., :KINETIC] = np.log1p(values[..., :KINETIC] / self.kinetic_medians)
+        kinetic = values[..., :KINETIC]
+        kinetic /= self.kinetic_medians
+        np.log1p(kinetic, out=kinetic)
         return values
 
     def standardised(self, raw: Floats) -> Floats:
@@ -153,7 +155,10 @@ class FeatureScaler:
         """
         alive = self.deviations > 1e-8
         scale = np.where(alive, 1.0 / np.where(alive, self.deviations, 1.0), 0.0)
-        return np.clip((self.logarithmic(raw) - self.means) * scale, -_CLIP, _CLIP)
+        values = self.logarithmic(raw)
+        values -= self.means
+        values *= scale
+        return np.clip(values, -_CLIP, _CLIP, out=values)
 
 
 def _body_height() -> float:

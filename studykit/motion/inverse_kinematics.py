@@ -237,11 +237,12 @@ def _improved(
     weight[-3:] = 1e-9
     damping = np.full(len(positions), 1e-4)
     start = rotations
-    seen = kinematics.centred_positions(skeleton, rotations) + root[:, None]
+    pose = kinematics.posed(skeleton, rotations)
+    seen = pose.positions + root[:, None]
     cost = np.sum((seen - positions) ** 2, axis=(1, 2))
     for _ in range(rounds):
         slopes = np.empty((len(seen), 3 * joints, 3 * joints + 3))
-        slopes[..., :-3] = kinematics.position_slopes(skeleton, rotations, range(joints)).reshape(
+        slopes[..., :-3] = kinematics.position_slopes(skeleton, pose, range(joints)).reshape(
             len(seen), 3 * joints, 3 * joints
         )
         slopes[..., -3:] = np.tile(np.eye(3), (joints, 1))
@@ -255,11 +256,15 @@ def _improved(
         step = np.linalg.solve(normal, pull[..., None])[..., 0]
         tried = rotation.multiply(rotations, rotation.exp(step[:, :-3].reshape(len(seen), joints, 3)))
         tried_root = root + step[:, -3:]
-        tried_seen = kinematics.centred_positions(skeleton, tried) + tried_root[:, None]
+        tried_pose = kinematics.posed(skeleton, tried)
+        tried_seen = tried_pose.positions + tried_root[:, None]
         tried_cost = np.sum((tried_seen - positions) ** 2, axis=(1, 2))
         better = tried_cost < cost
         rotations = np.where(better[:, None, None], tried, rotations)
         root = np.where(better[:, None], tried_root, root)
+        pose = kinematics.Pose(
+            *(np.where(better[:, None, None], *one) for one in zip(tried_pose, pose, strict=True))
+        )
         seen = np.where(better[:, None, None], tried_seen, seen)
         cost = np.where(better, tried_cost, cost)
         damping = np.where(better, damping / 10.0, damping * 10.0)

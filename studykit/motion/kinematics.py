@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -58,41 +59,64 @@ def joint_positions(motion: Motion) -> Floats:
 
 def centred_positions(skeleton: Skeleton, rotations: Floats) -> Floats:
     """Give where every joint is from the pelvis, shape (..., joint, 3), m; the pelvis stays at the origin."""
+    return posed(skeleton, rotations).positions
+
+
+class Pose(NamedTuple):
+    """How joints are turned in the world, and where they are.
+
+    Attributes
+    ----------
+    world : ndarray, shape (..., joint, 4)
+        Unit quaternions relative to the world.
+    positions : ndarray, shape (..., joint, 3), m
+        From the pelvis.
+    """
+
+    world: Floats
+    positions: Floats
+
+
+def posed(skeleton: Skeleton, rotations: Floats) -> Pose:
+    """Pose the body as its joints are turned, parent-relative quaternions of shape (..., joint, 4)."""
     world = global_rotations(skeleton, rotations)
     positions = np.zeros((*rotations.shape[:-1], 3))
     for joints, parents in skeleton.generations:
         bones = rotation.rotate(world[..., parents, :], skeleton.offsets[joints])
         positions[..., joints, :] = positions[..., parents, :] + bones
-    return positions
+    return Pose(world, positions)
 
 
-def position_slopes(skeleton: Skeleton, rotations: Floats, joints: Sequence[int]) -> Floats:
-    """Give how all joints move from the pelvis when some turn a little further, each about its own axes.
+def position_slopes(
+    skeleton: Skeleton, pose: Pose, joints: Sequence[int], *, seen: Sequence[int] | None = None
+) -> Floats:
+    """Give how joints move from the pelvis when some turn a little further, each about its own axes.
 
     Parameters
     ----------
     skeleton : Skeleton
-        Gives the bones.
-    rotations : ndarray, shape (..., joint, 4)
-        Unit quaternions relative to the parent.
+        Says which joint hangs on which.
+    pose : Pose
+        The body from which they turn.
     joints : sequence of int
         Those that turn.
+    seen : sequence of int, optional
+        Those whose movement is asked for; all if not given.
 
     Returns
     -------
-    ndarray, shape (..., joint, 3, 3 x turning joint), m/rad
+    ndarray, shape (..., seen joint, 3, 3 x turning joint), m/rad
         For turns R_j exp(delta_j): d p_k / d delta_j = -[p_k - p_j]_x G_j where k hangs on j, zero elsewhere.
     """
-    turning = list(joints)
-    positions = centred_positions(skeleton, rotations)
-    turns = rotation.to_matrix(global_rotations(skeleton, rotations)[..., turning, :])
-    arms = positions[..., :, None, :] - positions[..., None, turning, :]
-    arms = arms * descendants(skeleton)[:, turning, None]
+    turning, moved = list(joints), list(range(len(skeleton.parents)) if seen is None else seen)
+    turns = rotation.to_matrix(pose.world[..., turning, :])
+    arms = pose.positions[..., moved, None, :] - pose.positions[..., None, turning, :]
+    arms *= descendants(skeleton)[moved][:, turning, None]
     # The columns of G_j crossed with the arms, component by component.
     x, y, z = (turns[..., None, :, axis, :] for axis in range(3))
     a, b, c = (arms[..., axis, None] for axis in range(3))
     slopes = np.stack((y * c - z * b, z * a - x * c, x * b - y * a), axis=-3)
-    return np.asarray(slopes).reshape(*slopes.shape[:-2], -1)
+    return slopes.reshape(*slopes.shape[:-2], 3 * len(turning))
 
 
 def descendants(skeleton: Skeleton) -> Floats:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from studykit.core.arrays import Floats
+from studykit.core.arrays import Booleans, Floats
 from studykit.motion import kinematics, rotation
 from studykit.motion.skeleton import Skeleton
 
@@ -76,18 +76,38 @@ def fitted(
         return rotations
     problem = _Problem(rotations, wanted, skeleton, list(free), pull)
     damping = np.full(len(rotations), 1e-6)
-    found, cost = rotations, problem.cost(rotations)
+    found = problem.weighed(rotations)
     for _ in range(rounds):
-        tried = problem.stepped(found, damping)
-        tried_cost = problem.cost(tried)
-        better = tried_cost < cost
-        is_done = np.all(np.abs(cost - tried_cost) <= _ENOUGH * cost)
-        found = np.where(better[:, None, None, None], tried, found)
-        cost = np.where(better, tried_cost, cost)
+        tried = problem.weighed(problem.stepped(found, damping))
+        better = tried.cost < found.cost
+        is_done = np.all(np.abs(found.cost - tried.cost) <= _ENOUGH * found.cost)
+        found = found.replaced(tried, better)
         damping = np.where(better, damping / 10.0, np.maximum(damping, 1e-3) * 10.0)
         if is_done:
             break
-    return found
+    return found.rotations
+
+
+class _Weighed(NamedTuple):
+    """Windows of a movement, posed, and all that their cost is made of; the window is the first axis."""
+
+    rotations: Floats
+    world: Floats
+    positions: Floats
+    away: Floats
+    """How far the free joints are turned from the start."""
+    changes: Floats
+    """How much their speeds change from frame to frame."""
+    cost: Floats
+
+    def replaced(self, other: _Weighed, which: Booleans) -> _Weighed:
+        """Take some windows from another."""
+        if which.all():
+            return other
+        pairs = zip(other, self, strict=True)
+        return _Weighed(
+            *(np.where(which.reshape(-1, *(1,) * (new.ndim - 1)), new, old) for new, old in pairs)
+        )
 
 
 class _Problem:
@@ -98,6 +118,7 @@ class _Problem:
     ) -> None:
         self._start, self._wanted, self._skeleton, self._joints = start, wanted, skeleton, joints
         self._weights = np.broadcast_to(pull.weights, wanted.shape[:-1])
+        self._seen = np.flatnonzero(self._weights.any(axis=(0, 1))).tolist()
         levers = np.repeat(np.maximum(_levers(skeleton)[joints], _SHORTEST_LEVER_M) ** 2, 3)
         self._levers, self._prior, self._bend = levers, pull.prior * levers, pull.smoothness * levers
         self._own_changes = self._speed_changes(start) if pull.is_lively else 0.0
@@ -109,41 +130,37 @@ class _Problem:
         changes = np.diff(rotation.between(turned[:, :-1], turned[:, 1:]), axis=1)
         return changes.reshape(*changes.shape[:2], -1)
 
-    def _residuals(self, rotations: Floats) -> tuple[Floats, Floats, Floats]:
-        """Give what positions miss, turns from the start, and changes of speed."""
+    def weighed(self, rotations: Floats) -> _Weighed:
+        """Pose the body and give the sum of squares of each window."""
+        world, positions = kinematics.posed(self._skeleton, rotations)
         away = rotation.between(self._start[:, :, self._joints], rotations[:, :, self._joints])
-        return (
-            kinematics.centred_positions(self._skeleton, rotations) - self._wanted,
-            away.reshape(*away.shape[:2], -1),
-            self._speed_changes(rotations) - self._own_changes,
-        )
-
-    def cost(self, rotations: Floats) -> Floats:
-        """Give the sum of squares of each window, shape (window,)."""
-        misses, away, changes = self._residuals(rotations)
-        return np.asarray(
-            np.einsum("wfkc,wfk->w", misses**2, self._weights)
+        away = away.reshape(*away.shape[:2], -1)
+        changes = self._speed_changes(rotations) - self._own_changes
+        cost = (
+            np.einsum("wfkc,wfk->w", (positions - self._wanted) ** 2, self._weights)
             + np.sum(away**2 * self._prior, axis=(1, 2))
             + np.sum(changes**2 * self._bend, axis=(1, 2))
         )
+        return _Weighed(rotations, world, positions, away, changes, cost)
 
-    def stepped(self, rotations: Floats, damping: Floats) -> Floats:
+    def stepped(self, at: _Weighed, damping: Floats) -> Floats:
         """Take one Gauss-Newton step, shape (window, frame, joint, 4)."""
         inner = slice(EDGE, -EDGE)
-        misses, away, changes = self._residuals(rotations)
-        slopes = kinematics.position_slopes(self._skeleton, rotations[:, inner], self._joints)
-        slopes = slopes.reshape(*slopes.shape[:2], -1, slopes.shape[-1])
-        weighted = slopes * np.repeat(self._weights[:, inner], 3, axis=-1)[..., None]
-        force = -np.einsum("wfij,wfi->wfj", weighted, misses[:, inner].reshape(*slopes.shape[:3]))
-        force -= self._prior * away[:, inner]
-        force -= self._bend * np.einsum("sf,wsj->wfj", self._differences, changes)
+        misses = (at.positions - self._wanted)[:, inner][:, :, self._seen]
+        pose = kinematics.Pose(at.world[:, inner], at.positions[:, inner])
+        slopes = kinematics.position_slopes(self._skeleton, pose, self._joints, seen=self._seen)
+        slopes = slopes.reshape(*slopes.shape[:2], 3 * len(self._seen), slopes.shape[-1])
+        weighted = slopes * np.repeat(self._weights[:, inner][:, :, self._seen], 3, axis=-1)[..., None]
+        force = -np.einsum("wfij,wfi->wfj", weighted, misses.reshape(*slopes.shape[:3]))
+        force -= self._prior * at.away[:, inner]
+        force -= self._bend * np.einsum("sf,wsj->wfj", self._differences, at.changes)
         blocks = np.swapaxes(weighted, 2, 3) @ slopes
         np.einsum("wfii->wfi", blocks)[:] += self._prior + damping[:, None, None] * self._levers
         turns = _banded_solution(blocks, self._differences.T @ self._differences, self._bend, force)
         turns = turns.reshape(*turns.shape[:2], -1, 3)
-        tried = np.array(rotations)
+        tried = np.array(at.rotations)
         tried[:, inner, self._joints] = rotation.multiply(
-            rotations[:, inner][:, :, self._joints], rotation.exp(turns)
+            tried[:, inner][:, :, self._joints], rotation.exp(turns)
         )
         return tried
 

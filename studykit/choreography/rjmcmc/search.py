@@ -6,7 +6,8 @@ import os
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from threading import Event
 
 from studykit.choreography.goal import CLOSE, Goal
 from studykit.choreography.rjmcmc.chain import Found, Search
@@ -45,13 +46,14 @@ class Outcome:
         return sorted(self.found, key=rank)
 
 
-def search(
+def search(  # noqa: PLR0913
     goal: Goal,
     known: Repertoire,
     *,
     seed: int,
     is_preview: bool = False,
     workers: int | None = None,
+    stop: Event | None = None,
     progress: Progress = silent,
 ) -> Outcome:
     """Run chains until one hits all goals; whole batches, so that the number of cores changes nothing.
@@ -70,6 +72,8 @@ def search(
         Whether a first look suffices.
     workers : int or None
         Chains that run side by side; as many as there are cores if not given.
+    stop : Event, optional
+        Ends a plain search from another thread.
     progress : Progress
         Told of each chain.
     """
@@ -80,6 +84,8 @@ def search(
     is_short = is_preview or not run.is_compiled
     if is_short:
         run = Search.sized(goal, known, preset.preview)
+    if stop is not None:
+        run = replace(run, stop=stop)
     chains = preset.preview_chains if is_short else preset.chains
     found: list[Found] = []
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:

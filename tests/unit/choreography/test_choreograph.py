@@ -9,7 +9,6 @@ import time
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -181,15 +180,15 @@ def test_a_first_look_is_shown_even_if_it_misses(library, reachable, monkeypatch
         dance(wild, library, seed=1)
 
 
-PLAIN = SimpleNamespace(is_interrupted=False)
-
-
 def test_one_dance_a_condition_in_the_order_of_the_protocol(library, monkeypatch) -> None:
     made, told = [], []
     monkeypatch.setattr(DANCING, "require_reachable", lambda *_: None)
-    monkeypatch.setattr(
-        DANCING, "_danced", lambda wanted, _known, *, seed: made.append((wanted.condition, seed)) or PLAIN
-    )
+
+    def danced(goal, _known, *, seed, **_):
+        made.append((goal.condition, seed))
+        return goal.condition
+
+    monkeypatch.setattr(DANCING, "_danced", danced)
 
     def progress(items, *, label, total):
         told.append((label, total))
@@ -197,7 +196,8 @@ def test_one_dance_a_condition_in_the_order_of_the_protocol(library, monkeypatch
 
     dances = choreograph(PROTOCOL, library, seed=9, progress=progress)
     assert list(dances) == list(PROTOCOL.order.labels) == list(goals(PROTOCOL, library))
-    assert made == [(label, 9) for label in PROTOCOL.order.labels]
+    assert list(dances.values()) == list(dances)
+    assert sorted(made) == sorted((label, 9) for label in PROTOCOL.order.labels)
     assert told == [("Choreographing", 8)]
 
 
@@ -418,3 +418,22 @@ def test_nothing_is_shown_of_a_goal_out_of_reach_even_at_a_first_look(library, r
     far = replace(reachable, blocks=tuple(replace(b, variety=1000.0) for b in reachable.blocks))
     with pytest.raises(OutOfReachError):
         dance(far, library, is_preview=True)
+
+
+@pytest.mark.usefixtures("listening")
+def test_ctrl_c_calls_off_the_dances_of_a_study(library, monkeypatch) -> None:
+    begun, stops = [], []
+
+    def waited(goal, within, *, stop, **_):
+        begun.append(goal.condition)
+        stops.append(stop)
+        if len(begun) == 1:
+            os.kill(os.getpid(), signal.SIGINT)
+        assert stop.wait(10.0)  # a plain search of minutes ends when this is set
+
+    monkeypatch.setattr(DANCING, "require_reachable", lambda *_: None)
+    monkeypatch.setattr(DANCING, "_danced", waited)
+    with pytest.raises(KeyboardInterrupt):
+        choreograph(PROTOCOL, library)
+    assert len(set(map(id, stops))) == 1
+    assert len(begun) <= (os.cpu_count() or 1) < len(PROTOCOL.conditions) or (os.cpu_count() or 1) >= 8

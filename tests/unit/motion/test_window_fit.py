@@ -34,7 +34,7 @@ def test_slopes_are_those_of_finite_differences(seed) -> None:
     rng = np.random.default_rng(seed)
     rotations = any_turns(rng, 2)
     turning = (0, 1, 4, 9, 16, 18)
-    slopes = kinematics.position_slopes(NEUTRAL_BODY, rotations, turning)
+    slopes = kinematics.position_slopes(NEUTRAL_BODY, kinematics.posed(NEUTRAL_BODY, rotations), turning)
     assert slopes.shape == (2, 24, 3, 18)
     for column in range(18):
         joint, axis = turning[column // 3], column % 3
@@ -48,7 +48,7 @@ def test_slopes_are_those_of_finite_differences(seed) -> None:
 
 def test_slopes_about_the_parents_axes_would_be_noticed() -> None:
     rotations = any_turns(np.random.default_rng(0), 1)
-    slopes = kinematics.position_slopes(NEUTRAL_BODY, rotations, (16,))
+    slopes = kinematics.position_slopes(NEUTRAL_BODY, kinematics.posed(NEUTRAL_BODY, rotations), (16,))
     # Wrong: the turn is taken to be R <- exp(delta) R.
     wrong = slopes @ rotation.to_matrix(rotations[0, 16]).T
     assert np.abs(slopes - wrong).max() > 0.05
