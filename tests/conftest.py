@@ -46,7 +46,13 @@ def small_protocol() -> StudyProtocol:
     values["order"] |= {"labels": ["light-easy-on", "intense-easy-on"], "extra_rows": []}
     values["dance"]["duration_s"] = 4.0
     values["session"] |= {"calibrate_s": 1.0, "baseline_s": 2.0, "train_s": 1.0, "rest_s": 2.0}
-    values["analysis"] |= {"tests": [], "correlations": []}
+    values["analysis"] |= {
+        "tests": [],
+        "correlations": [],
+        "models": None,
+        "equivalences": None,
+        "curves": None,
+    }
     return StudyProtocol.model_validate(values)
 
 

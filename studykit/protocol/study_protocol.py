@@ -10,9 +10,17 @@ from pydantic import Field, field_validator, model_validator
 
 from studykit.core.errors import InputError, nearest
 from studykit.core.provenance import sha256_of_value
-from studykit.protocol.analysis_plan import AnalysisPlan, CorrelationPlan, TestPlan
+from studykit.protocol.analysis_plan import (
+    AnalysisPlan,
+    CorrelationPlan,
+    CurvePlan,
+    EquivalencePlan,
+    TestPlan,
+)
 from studykit.protocol.condition import Condition, Intensity, Transition, Variety
 from studykit.protocol.part import Part, refuse_repeats
+
+Compared = TestPlan | CorrelationPlan | EquivalencePlan | CurvePlan
 
 SEGMENT_S = 4.0
 """Length of one piece of the dance library, in seconds; every dance is a whole number of them."""
@@ -225,8 +233,8 @@ class StudyProtocol(Part):
     def _consistent(self) -> Self:
         self._check_labels()
         self._check_extra_rows()
-        self._check_plan("tests", self.analysis.tests)
-        self._check_plan("correlations", self.analysis.correlations)
+        for kind in ("tests", "correlations", "equivalences", "curves"):
+            self._check_plan(kind, getattr(self.analysis, kind) or ())
         return self
 
     def _check_labels(self) -> None:
@@ -274,7 +282,7 @@ class StudyProtocol(Part):
                 remedy=f"name {left} rows, or set participants to {whole}",
             )
 
-    def _check_plan(self, kind: str, plans: tuple[TestPlan | CorrelationPlan, ...]) -> None:
+    def _check_plan(self, kind: str, plans: tuple[Compared, ...]) -> None:
         for number, plan in enumerate(plans):
             for name in plan.conditions:
                 if name not in self.order.labels:

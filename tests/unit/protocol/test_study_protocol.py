@@ -102,6 +102,7 @@ def test_a_test_of_a_condition_that_is_not_in_the_study_is_refused(protocol: Stu
     with pytest.raises(ValidationError, match="is no condition of this study"):
         StudyProtocol.model_validate(values)
     values["analysis"]["tests"] = values["analysis"]["tests"][:2]
+    values["analysis"]["equivalences"] = None
     assert len(StudyProtocol.model_validate(values).conditions_list()) == 4
 
 
@@ -111,3 +112,36 @@ def test_the_same_study_for_other_numbers_of_people(protocol: StudyProtocol, par
     assert other.study.participants == participants
     assert other.order.extra_rows[:4] == protocol.order.extra_rows
     assert other.analysis == protocol.analysis
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "changes", "problem"),
+    [
+        ("tests", 2, {"correction": "closed"}, "closed testing is for all pairs of up to 6 conditions"),
+        ("equivalences", 0, {"low": 5.0}, r"low \(5\) is not below high \(5\)"),
+        ("equivalences", 0, {"b": "intense-hard-on"}, "is compared with itself"),
+        ("equivalences", 0, {"a": "none"}, '"none" is no condition of this study'),
+        ("curves", 0, {"conditions": ["light-easy-on", "light-easy-on"]}, "stands twice"),
+        ("curves", 1, {"name": "heart_rate_over_time"}, 'the name "heart_rate_over_time" stands twice'),
+        ("models", 0, {"outcome": "dtw"}, 'write "dtw_m"'),
+        ("models", 0, {"factors": ["variety", "variety"]}, 'the factor "variety" stands twice'),
+    ],
+)
+def test_what_cannot_be_analysed_is_refused_before_the_study(
+    protocol: StudyProtocol, kind: str, number: int, changes: dict[str, object], problem: str
+) -> None:
+    values = protocol.model_dump(mode="json")
+    values["analysis"][kind][number] |= changes
+    with pytest.raises(ValidationError, match=problem):
+        StudyProtocol.model_validate(values)
+
+
+def test_the_analysis_names_every_column_that_it_needs_once(protocol: StudyProtocol) -> None:
+    assert protocol.analysis.outcomes == (
+        "heart_rate_mean_bpm",
+        "dtw_m",
+        "smoothness_rating",
+        "linear_energy_asked",
+        "rotational_energy_asked",
+        "variety_achieved",
+    )
