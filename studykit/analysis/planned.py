@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from studykit.analysis import correlation, nonparametric, tables
+from studykit.analysis import correlation, multiplicity, tables
+from studykit.analysis.friedman import friedman, kendalls_w_interval
 from studykit.analysis.results import (
     ConditionSummary,
     CorrelationResult,
@@ -17,6 +18,7 @@ from studykit.analysis.results import (
     Results,
     TestResult,
 )
+from studykit.analysis.wilcoxon import PValue, Zeros, rank_biserial_interval, wilcoxon
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.core.seeding import stream
@@ -27,12 +29,12 @@ if TYPE_CHECKING:
 
 _NEEDED = ("participant", "session", "condition", "is_valid", "exclusion_reason", "simulated")
 _CORRECTIONS: dict[str, Callable[[Sequence[float]], Floats]] = {
-    "holm": nonparametric.holm,
-    "bonferroni": nonparametric.bonferroni,
+    "holm": multiplicity.holm,
+    "bonferroni": multiplicity.bonferroni,
     "none": np.asarray,
 }
 # The variant that counts comes first; the others show that nothing hangs on the choice.
-_VARIANTS: tuple[tuple[nonparametric.PValue, nonparametric.Zeros], ...] = (
+_VARIANTS: tuple[tuple[PValue, Zeros], ...] = (
     ("exact", "drop"),
     ("normal", "drop"),
     ("normal_continuity", "drop"),
@@ -130,14 +132,14 @@ def _test(plan: TestPlan, trials: pd.DataFrame, alpha: float) -> TestResult:
         return TestResult(
             plan=plan, exclusions=exclusions, participants=len(table), not_computed_because=problem
         )
-    omnibus = nonparametric.friedman(table)
+    omnibus = friedman(table)
     return TestResult(
         plan=plan,
         exclusions=exclusions,
         participants=len(table),
         friedman=omnibus,
         is_significant=omnibus.p < alpha,
-        kendalls_w_interval=nonparametric.kendalls_w_interval(
+        kendalls_w_interval=kendalls_w_interval(
             table, rng=stream(0, "kendalls_w_interval", plan.name), confidence=1.0 - alpha
         ),
         summaries=_summaries(plan.conditions, table, omnibus.mean_ranks),
@@ -180,8 +182,7 @@ def _pairs(plan: TestPlan, complete: pd.DataFrame, alpha: float) -> tuple[PairRe
     pairs = plan.pairs_list()
     column = {name: complete[name].to_numpy() for name in plan.conditions}
     variants = [
-        [nonparametric.wilcoxon(column[a], column[b], p=p, zeros=zeros) for p, zeros in _VARIANTS]
-        for a, b in pairs
+        [wilcoxon(column[a], column[b], p=p, zeros=zeros) for p, zeros in _VARIANTS] for a, b in pairs
     ]
     corrected = _CORRECTIONS[plan.correction]([tests[0].p for tests in variants])
     return tuple(
@@ -192,7 +193,7 @@ def _pairs(plan: TestPlan, complete: pd.DataFrame, alpha: float) -> tuple[PairRe
             test=test,
             p_corrected=float(p),
             is_significant=bool(p < alpha),
-            rank_biserial_interval=nonparametric.rank_biserial_interval(
+            rank_biserial_interval=rank_biserial_interval(
                 test.rank_biserial, test.n_nonzero, confidence=1.0 - alpha
             ),
             p_by_variant={other.variant: other.p for other in others},

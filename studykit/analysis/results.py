@@ -6,7 +6,8 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from studykit.analysis.correlation import Correlation
-from studykit.analysis.nonparametric import Friedman, Wilcoxon
+from studykit.analysis.friedman import Friedman
+from studykit.analysis.wilcoxon import Wilcoxon
 from studykit.protocol.analysis_plan import CorrelationPlan, TestPlan
 
 

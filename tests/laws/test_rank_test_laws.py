@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 from scipy.stats import rankdata
 
-from studykit.analysis.nonparametric import bonferroni, friedman, holm, wilcoxon
+from studykit.analysis.friedman import friedman
+from studykit.analysis.multiplicity import bonferroni, holm
+from studykit.analysis.wilcoxon import wilcoxon
 
 # Few different values, so that ties and zeros are common.
 ratings = st.integers(1, 7).map(float)

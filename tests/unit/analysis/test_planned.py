@@ -5,7 +5,9 @@ import pandas as pd
 import pytest
 
 from studykit import analysis
-from studykit.analysis.nonparametric import friedman, holm, wilcoxon
+from studykit.analysis.friedman import friedman
+from studykit.analysis.multiplicity import holm
+from studykit.analysis.wilcoxon import wilcoxon
 from studykit.core.errors import InputError
 from studykit.core.provenance import canonical_json
 from studykit.protocol.analysis_plan import AnalysisPlan

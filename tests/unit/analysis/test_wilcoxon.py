@@ -3,14 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studykit.analysis.nonparametric import (
-    benjamini_hochberg,
-    friedman,
-    holm,
-    kendalls_w_interval,
-    rank_biserial_interval,
-    wilcoxon,
-)
+from studykit.analysis.wilcoxon import rank_biserial_interval, wilcoxon
 
 
 def test_people_without_a_difference_have_no_effect() -> None:
@@ -27,7 +20,6 @@ def test_every_variant_is_named() -> None:
         for zeros in ("drop", "pratt")
     }
     assert len(names) == 6
-    assert "chi-squared" in friedman([[1, 2, 3], [1, 3, 2]]).variant
 
 
 def test_pratts_exact_p_keeps_the_ranks_that_zeros_take() -> None:
@@ -37,34 +29,11 @@ def test_pratts_exact_p_keeps_the_ranks_that_zeros_take() -> None:
     assert result.p == 0.25
 
 
-@pytest.mark.parametrize(
-    ("table", "problem"),
-    [
-        ([[1, 2, 3]], "2 or more people"),
-        ([[1, 2], [2, 1]], "3 or more conditions"),
-        ([[1, 2, np.nan], [1, 2, 3]], "finite"),
-        ([[2, 2, 2], [3, 3, 3]], "same value"),
-    ],
-)
-def test_tables_without_an_answer_are_refused(table: list[list[float]], problem: str) -> None:
-    with pytest.raises(ValueError, match=problem):
-        friedman(table)
-
-
 def test_pairs_without_an_answer_are_refused() -> None:
     with pytest.raises(ValueError, match="finite"):
         wilcoxon([], [])
     with pytest.raises(ValueError, match="finite"):
         wilcoxon([1.0, np.nan], [1.0, 2.0])
-
-
-def test_the_interval_of_w_holds_w_and_repeats() -> None:
-    table = np.random.default_rng(1).normal(size=(20, 4)) + np.arange(4.0)
-    low, high = kendalls_w_interval(table, rng=np.random.default_rng(2))
-    assert 0.0 <= low < friedman(table).kendalls_w < high <= 1.0
-    assert (low, high) == kendalls_w_interval(table, rng=np.random.default_rng(2))
-    narrow = kendalls_w_interval(table, rng=np.random.default_rng(2), confidence=0.5)
-    assert low < narrow[0] < narrow[1] < high
 
 
 def test_the_interval_of_the_rank_biserial() -> None:
@@ -74,7 +43,3 @@ def test_the_interval_of_the_rank_biserial() -> None:
     assert interval == pytest.approx((0.0493, 0.7815), abs=5e-5)
     assert rank_biserial_interval(1.0, 20) is None
     assert rank_biserial_interval(0.0, 0) is None
-
-
-def test_correcting_nothing_gives_nothing() -> None:
-    assert holm([]).tolist() == benjamini_hochberg([]).tolist() == []
