@@ -13,15 +13,31 @@ from studykit.cli.library import AsJson
 Study = Annotated[Path, typer.Argument(help="Folder of a study, such as sessions/demo.")]
 
 
-def analyse(study: Study, *, json: AsJson = False) -> None:
+def analyse(
+    study: Study,
+    against: Annotated[
+        Path | None,
+        typer.Option(help="A results.json from before: says which numbers are others now, and why."),
+    ] = None,
+    *,
+    json: AsJson = False,
+) -> None:
     """Make the table of trials and every test that the protocol declares."""
     from studykit import reports
+    from studykit.analysis.changes import changes
+    from studykit.reports.analyse import read_results
+    from studykit.reports.place import folder_of
 
-    results = reports.analyse(study)
+    old = None if against is None else read_results(against)  # before it is written anew
+    results = reports.analyse(study, progress=show.progress)
+    new = read_results(folder_of(study).derivatives / "results.json")
+    differences = None if old is None else changes(old, new)
     if json:
-        show.as_json(results.to_dict())
-    else:
-        show.say(str(results))
+        show.as_json(new | ({} if differences is None else {"against": differences.to_dict()}))
+        return
+    show.say(str(results))
+    if differences is not None:
+        show.say(f"\nAgainst {against}: {differences}")
 
 
 def figures(

@@ -39,5 +39,5 @@ def sha256_of_files(paths: Iterable[Path]) -> str:
 
 def versions() -> dict[str, str]:
     """Name the versions on which numbers depend."""
-    packages = ("studykit", "numpy", "scipy", "pandas")
+    packages = ("studykit", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "numba")
     return {"python": platform.python_version()} | {package: version(package) for package in packages}

@@ -207,7 +207,9 @@ class AnalysisPlan(Part):
     @property
     def outcomes(self) -> tuple[str, ...]:
         """The columns that the declared comparisons need, each once."""
-        named = [plan.outcome for plan in (*self.tests, *(self.models or ()), *(self.equivalences or ()))]
+        named = [plan.outcome for plan in self.tests]
+        named += [plan.outcome for plan in self.models or ()]
+        named += [plan.outcome for plan in self.equivalences or ()]
         for plan in self.correlations:
             named += [*plan.x, plan.y]
         return tuple(dict.fromkeys(named))

@@ -48,6 +48,7 @@ def analyse(study: AnyStudy, *, progress: Progress = silent) -> Results:
         "provenance": {
             "protocol_sha256": protocol.sha256,
             "data_sha256": sha256_of_value(list(table["data_sha256"])),
+            "visits": _visits(table),
             "dances_sha256": sha256_of_files(sorted(folder.dances.glob("*.json"))),
             "versions": versions(),
         },
@@ -56,6 +57,32 @@ def analyse(study: AnyStudy, *, progress: Progress = silent) -> Results:
     text = json.dumps(written, indent=1, ensure_ascii=False, allow_nan=False)
     write(folder.derivatives / "results.json", text + "\n")
     return results
+
+
+def read_results(path: Path | str) -> dict[str, Any]:
+    """Read results that were written before, of this version or an older one.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds no results.
+    """
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"this cannot be read as results ({error})", where=path, remedy="name a results.json"
+        ) from error
+    if not isinstance(found, dict) or "tests" not in found:
+        raise InputError("this holds no results of a study", where=path, remedy="name a results.json")
+    return found
+
+
+def _visits(table: pd.DataFrame) -> dict[str, str]:
+    """Give the digest of what was recorded in each visit, in order."""
+    visits = table.drop_duplicates(["participant", "session"])
+    names = "sub-" + visits["participant"] + "_ses-" + visits["session"]
+    return dict(sorted(zip(names, visits["data_sha256"], strict=True)))
 
 
 def enjoyment_of(answers: pd.DataFrame) -> dict[str, Any]:
