@@ -1,0 +1,3 @@
+"""What the protocol declares, made: one module for each kind of comparison."""
+
+from studykit.analysis.planned.run import run as run
