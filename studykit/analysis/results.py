@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
+import numpy as np
+
 from studykit.analysis.correlation import Correlation
+from studykit.analysis.crossover import OrderEffects
 from studykit.analysis.friedman import Friedman
+from studykit.analysis.mixed_model import MixedModel, Term
 from studykit.analysis.wilcoxon import Wilcoxon
-from studykit.protocol.analysis_plan import CorrelationPlan, TestPlan
+from studykit.protocol.analysis_plan import CorrelationPlan, ModelPlan, TestPlan
+from studykit.protocol.part import Part
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -93,8 +98,10 @@ class TestResult:
         People compared.
     friedman : Friedman or None
         None if not computed.
+    p : float or None
+        Friedman's p of the kind declared.
     is_significant : bool or None
-        Whether Friedman's p lies below alpha.
+        Whether it lies below alpha.
     kendalls_w_interval : tuple of float or None
         Plausible values of W (bootstrap over people).
     summaries : tuple of ConditionSummary
@@ -109,6 +116,7 @@ class TestResult:
     exclusions: Exclusions
     participants: int
     friedman: Friedman | None = None
+    p: float | None = None
     is_significant: bool | None = None
     kendalls_w_interval: tuple[float, float] | None = None
     summaries: tuple[ConditionSummary, ...] = ()
@@ -146,6 +154,43 @@ class CorrelationResult:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class ModelResult:
+    """One declared model.
+
+    Parameters
+    ----------
+    plan : ModelPlan
+    mixed_model : MixedModel or None
+        None if another method was declared, or not computed.
+    not_computed_because : str or None
+        Why there are no numbers, if there are none.
+    """
+
+    plan: ModelPlan
+    mixed_model: MixedModel | None = None
+    not_computed_because: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OrderResult:
+    """Whether the order of the conditions mattered for one outcome.
+
+    Parameters
+    ----------
+    outcome : str
+        A column of trials.csv.
+    effects : OrderEffects or None
+        None if not computed.
+    not_computed_because : str or None
+        Why, if so.
+    """
+
+    outcome: str
+    effects: OrderEffects | None = None
+    not_computed_because: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Results:
     """Everything that the analysis plan asked for.
 
@@ -159,6 +204,9 @@ class Results:
         Whether any trial was simulated.
     tests : tuple of TestResult
     correlations : tuple of CorrelationResult
+    models : tuple of ModelResult
+    order_effects : tuple of OrderResult
+        One for every outcome that is tested or modelled.
     """
 
     alpha: float
@@ -168,6 +216,8 @@ class Results:
     is_simulated: bool
     tests: tuple[TestResult, ...]
     correlations: tuple[CorrelationResult, ...]
+    models: tuple[ModelResult, ...] = ()
+    order_effects: tuple[OrderResult, ...] = ()
 
     def test(self, name: str) -> TestResult:
         """Give a test by the name that the plan gives it."""
@@ -182,6 +232,8 @@ class Results:
         return "\n".join(
             [line for test in self.tests for line in _test_lines(test)]
             + [line for correlation in self.correlations for line in _correlation_lines(correlation)]
+            + [line for model in self.models for line in _model_lines(model)]
+            + [line for order in self.order_effects for line in _order_lines(order)]
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -228,16 +280,41 @@ def _correlation_lines(result: CorrelationResult) -> list[str]:
     return [f"{head}: {found.method}: r = {found.r:.2f}, {p_text(found.p)}, {found.n} trials"]
 
 
+def _model_lines(result: ModelResult) -> list[str]:
+    head = f"{result.plan.name} ({result.plan.outcome})"
+    if result.mixed_model is None:
+        return [f"{head}: not computed because {result.not_computed_because}"]
+    fit = result.mixed_model
+    spread = f"between people {fit.between_sd:.3g}, within {fit.within_sd:.3g} (standard deviations)"
+    lines = [f"{head}: mixed model, {fit.n} trials of {fit.participants} people, {spread}"]
+    lines += [f"    {_term_text(term)}" for term in fit.terms]
+    return lines
+
+
+def _order_lines(result: OrderResult) -> list[str]:
+    head = f"order of conditions ({result.outcome})"
+    if result.effects is None:
+        return [f"{head}: not computed because {result.not_computed_because}"]
+    effects = result.effects
+    found = [_term_text(one) for one in (effects.period, effects.sequence, effects.carry_over) if one]
+    return [f"{head}: {'; '.join(found)}"]
+
+
+def _term_text(term: Term) -> str:
+    numerator, denominator = term.numerator_df, term.denominator_df
+    return f"{term.name}: F({numerator:g}, {denominator:.1f}) = {term.f:.2f}, {p_text(term.p)}"
+
+
 def _plain(value: Any) -> Any:
     """Turn results into dictionaries, lists, numbers and words."""
-    if isinstance(value, (TestPlan, CorrelationPlan)):
+    if isinstance(value, Part):
         return value.model_dump(mode="json")
-    if isinstance(value, (Friedman, Wilcoxon, Correlation, Exclusions, ConditionSummary)):
-        return _plain(asdict(value))
-    if isinstance(value, (Results, TestResult, CorrelationResult, PairResult)):
+    if is_dataclass(value) and not isinstance(value, type):
         entries = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
         # What was planned, or the test of a pair, stands beside what came out, without a level of its own.
         return entries.pop("plan", {}) | entries.pop("test", {}) | entries
+    if isinstance(value, np.generic):
+        return value.item()
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):

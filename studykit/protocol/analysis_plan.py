@@ -57,6 +57,12 @@ class TestPlan(Part):
         description='for testing several pairs: "holm", "closed" (all pairs of up to 6 conditions), '
         '"bonferroni" or "none"'
     )
+    p: Literal["chi_squared", "f", "permutation"] | None = Field(
+        default=None, description='where p is from: "chi_squared" unless given, "f", or "permutation"'
+    )
+    zeros: Literal["drop", "pratt", "split"] | None = Field(
+        default=None, description='pairs without a difference: "drop" unless given, "pratt" or "split"'
+    )
     missing: Literal["skillings_mack"] | None = Field(
         default=None,
         description="people who lack a condition are left out; name the test that keeps them beside it",

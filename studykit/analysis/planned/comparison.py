@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studykit.analysis import multiplicity
-from studykit.analysis.friedman import friedman, kendalls_w_interval
+from studykit.analysis.friedman import Friedman, friedman, kendalls_w_interval
 from studykit.analysis.planned.values import exclusions_of, values_of, why_not_compared
 from studykit.analysis.results import ConditionSummary, PairResult, TestResult
 from studykit.analysis.wilcoxon import PValue, Zeros, rank_biserial_interval, wilcoxon
@@ -24,7 +24,7 @@ _CORRECTIONS: dict[str, Callable[[Sequence[float]], Floats]] = {
     "bonferroni": multiplicity.bonferroni,
     "none": np.asarray,
 }
-# The variant that counts comes first; the others show that nothing hangs on the choice.
+# Beside the variant that counts, these show that nothing hangs on the choice.
 _VARIANTS: tuple[tuple[PValue, Zeros], ...] = (
     ("exact", "drop"),
     ("exact", "pratt"),
@@ -58,19 +58,30 @@ def compare(plan: TestPlan, trials: pd.DataFrame, alpha: float) -> TestResult:
             participants=len(table),
             not_computed_because=problem,
         )
-    omnibus = friedman(table)
+    omnibus = friedman(table, rng=stream(0, "friedman", plan.name))
+    p = _declared_p(plan, omnibus)
     return TestResult(
         plan=plan,
         exclusions=exclusions,
         participants=len(table),
         friedman=omnibus,
-        is_significant=omnibus.p < alpha,
+        p=p,
+        is_significant=p < alpha,
         kendalls_w_interval=kendalls_w_interval(
             table, rng=stream(0, "kendalls_w_interval", plan.name), confidence=1.0 - alpha
         ),
         summaries=_summaries(plan.conditions, table, omnibus.mean_ranks),
         pairs=_pairs(plan, complete, alpha),
     )
+
+
+def _declared_p(plan: TestPlan, found: Friedman) -> float:
+    """Give the p that the protocol names; F has none where all agree, and its p is 0 then."""
+    if plan.p == "permutation":
+        return found.permutation_p
+    if plan.p == "f":
+        return 0.0 if found.f_p is None else found.f_p
+    return found.p
 
 
 def _summaries(
@@ -94,9 +105,9 @@ def _summaries(
 def _pairs(plan: TestPlan, complete: pd.DataFrame, alpha: float) -> tuple[PairResult, ...]:
     pairs = plan.pairs_list()
     column = {name: complete[name].to_numpy() for name in plan.conditions}
-    variants = [
-        [wilcoxon(column[a], column[b], p=p, zeros=zeros) for p, zeros in _VARIANTS] for a, b in pairs
-    ]
+    declared: tuple[PValue, Zeros] = ("exact", plan.zeros or "drop")
+    kinds = (declared, *(variant for variant in _VARIANTS if variant != declared))
+    variants = [[wilcoxon(column[a], column[b], p=p, zeros=zeros) for p, zeros in kinds] for a, b in pairs]
     corrected = _CORRECTIONS[plan.correction]([tests[0].p for tests in variants])
     return tuple(
         PairResult(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from studykit.analysis import tables
 from studykit.analysis.planned.comparison import compare
+from studykit.analysis.planned.model import model, order
 from studykit.analysis.planned.relation import correlate
 from studykit.analysis.planned.values import refuse_repeats
 from studykit.analysis.results import Results
@@ -54,4 +55,12 @@ def run(plan: AnalysisPlan, trials: pd.DataFrame) -> Results:
         is_simulated=bool(trials["simulated"].any()),
         tests=tuple(compare(test, trials, plan.alpha) for test in plan.tests),
         correlations=tuple(correlate(declared, trials, plan.alpha) for declared in plan.correlations),
+        models=tuple(model(declared, valid, plan.alpha) for declared in plan.models or ()),
+        order_effects=tuple(order(outcome, valid, plan.alpha) for outcome in _compared(plan)),
     )
+
+
+def _compared(plan: AnalysisPlan) -> tuple[str, ...]:
+    """Give the outcomes that are compared between conditions, each once."""
+    tested = [test.outcome for test in plan.tests]
+    return tuple(dict.fromkeys((*tested, *(one.outcome for one in plan.models or ()))))
