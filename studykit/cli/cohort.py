@@ -15,7 +15,7 @@ from studykit.cli.library import AsJson, Seed
 if TYPE_CHECKING:
     import pandas as pd
 
-_STOPPED = 130
+_STOPPED, _NOT_ALL = 130, 1
 _SENTENCES = 20
 
 HELP = """Make the dances of a whole cohort from a table of wishes, one row a dance.
@@ -43,11 +43,19 @@ stage        width x depth in m that the pelvis keeps within, such as 3x2.5
 seed         the same gives the same dance; if not given, everybody gets
              one of their own, drawn from --seed
 
-The whole table is checked first. Then come OUT/PARTICIPANT/NAME.npz, .bvh, .glb and .json, and
-OUT/dances.csv with what was asked and achieved. The same command again makes only what is missing, after
-Ctrl-C or a power cut too; the number of processes changes no byte. Dances that are out of reach are listed
-with the nearest that can be had, those that are refused with the reason; they do not stop the others. With
---dask all machines must see the library and OUT at these paths.
+The whole table is checked first, and all its mistakes are told, a line each. Then come
+OUT/PARTICIPANT/NAME.npz, .bvh, .glb and .json, and OUT/dances.csv with what was asked and achieved. The same
+command again makes only what is missing, after Ctrl-C or a power cut too; the number of processes changes no
+byte. Dances that are out of reach are listed with the nearest that can be had, those that are refused with
+the reason; they do not stop the others. Where none is made, all that was in OUT stays as it was. With --dask
+all machines must see the library and OUT at these paths.
+
+\b
+The exit code is
+  0    every dance is there
+  1    some are out of reach or refused
+  2    the table, the library or a word of the command is wrong
+  130  it was interrupted
 """
 
 
@@ -62,7 +70,7 @@ def cohort(
     json: AsJson = False,
 ) -> None:
     """Make the dances of a whole cohort; what is shown is `HELP`."""
-    from studykit.library.cohort import make_cohort
+    from studykit.library.cohort import INTERRUPTED, MADE, make_cohort
 
     note_compiling()
     with workforce(dask, workers) as hands:
@@ -71,13 +79,18 @@ def cohort(
         show.as_json(table.astype(object).where(table.notna(), None).to_dict("records"))
     else:
         _print_outcome(table, out)
-    if (table["status"] == "interrupted").any():
+    statuses = set(table["status"])
+    if INTERRUPTED in statuses:
         raise typer.Exit(_STOPPED)
+    if statuses != {MADE}:
+        raise typer.Exit(_NOT_ALL)
 
 
 def _print_outcome(table: pd.DataFrame, out: Path) -> None:
     """Say how many dances there are, how close they come, and why others are not there."""
-    made = table[table["status"] == "made"]
+    from studykit.library.cohort import MADE, TABLE
+
+    made = table[table["status"] == MADE]
     counts = [f"{count} {status}" for status, count in table["status"].value_counts().items()]
     show.say(f"{len(table)} dances are wished for: {', '.join(counts)}.")
     if len(made):
@@ -86,8 +99,12 @@ def _print_outcome(table: pd.DataFrame, out: Path) -> None:
             within = f"{(off <= 0.05).mean():.0%} within 5 %, all within {off.max():.1%}"
             show.say(f"  {name.replace('_', ' ')} as shown: {within} of what was asked")
     others = table[table["reason"] != ""]
-    for row in others.head(_SENTENCES).to_dict("records"):
+    told = others.head(_SENTENCES) if len(made) else others
+    for row in told.to_dict("records"):
         show.say(f"  {row['participant']} {row['name']}, {row['status']}: {row['reason']}")
-    if len(others) > _SENTENCES:
-        show.say(f"  and {len(others) - _SENTENCES} more, with the reasons in the table")
-    show.say(f"One row a dance: {out / 'dances.csv'}")
+    if len(others) > len(told):
+        show.say(f"  and {len(others) - len(told)} more, with the reasons in the table")
+    if len(made):
+        show.say(f"One row a dance: {out / TABLE}")
+    else:
+        show.say(f"None is made, so nothing in {out} was changed.")

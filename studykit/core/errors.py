@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
@@ -38,6 +38,33 @@ class InputError(ValueError):
     def __reduce__(self) -> tuple[Any, ...]:
         # An error comes back from another process whole.
         return partial(InputError, self.problem, remedy=self.remedy, where=self.where), ()
+
+
+class MistakesError(InputError):
+    """Several things that cannot be used, told at once, one line each; the first stands for all.
+
+    Parameters
+    ----------
+    errors : sequence of InputError
+        In the order in which they are told, at least one.
+
+    Examples
+    --------
+    >>> first = InputError("no name", where="line 2", remedy="give one")
+    >>> print(MistakesError([first, InputError("no age", where="line 3", remedy="give one")]))
+    line 2: no name; give one.
+    line 3: no age; give one.
+    """
+
+    def __init__(self, errors: Sequence[InputError]) -> None:
+        self.errors = tuple(errors)
+        super().__init__(errors[0].problem, remedy=errors[0].remedy, where=errors[0].where)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.errors))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return MistakesError, (self.errors,)
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

@@ -70,17 +70,18 @@ def make_cohort(
     Returns
     -------
     DataFrame
-        One row a wish, in their order, also in OUT/dances.csv: `participant, name, seed, status, reason`,
-        what was asked, achieved within the segments and blended (energies in J per kg), which goals are
-        missed, how joins jump, and the peak speed of spared joints against their limits. `status` is "made",
-        "out of reach" (the reason names the nearest), "refused" (no dance was found, or another one of this
-        name, or a broken one, is there) or "interrupted".
+        One row a wish, in their order: `participant, name, seed, status, reason`, what was asked, achieved
+        within the segments and blended (energies in J per kg), which goals are missed, how joins jump, and
+        the peak speed of spared joints against their limits. `status` is "made", "out of reach" (the reason
+        names the nearest), "refused" (no dance was found, or another one of this name, or a broken one, is
+        there) or "interrupted". It is also in OUT/dances.csv, unless none is made: then all that was there
+        stays.
 
     Raises
     ------
     InputError
-        If anything is wrong in the table, the folder cannot be written, another call is at work on it, or
-        the library is none.
+        If anything is wrong in the table (all mistakes at once: `MistakesError`), the folder cannot be
+        written, another call is at work on it, or the library is none.
     """
     import pandas as pd
     from filelock import FileLock, Timeout
@@ -93,7 +94,8 @@ def make_cohort(
         with FileLock(out / _LOCK, blocking=False):
             rows = _rows(read, library, opened.sha256, out, workers=workers, progress=progress)
             table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(_COUNTS, "Int64"))
-            put(out / TABLE, table.to_csv(index=False, lineterminator="\n"))
+            if (table["status"] == MADE).any():  # or else the table of what is there would be lost
+                put(out / TABLE, table.to_csv(index=False, lineterminator="\n"))
     except Timeout as error:
         problem = "another cohort is being made here"
         raise InputError(problem, where=out, remedy="wait until it is done") from error

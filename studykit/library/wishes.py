@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Callable
-from dataclasses import replace
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from math import inf
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from pydantic import Field, ValidationError, field_validator
 
@@ -18,11 +18,11 @@ from studykit.choreography.dance_library import DanceLibrary
 from studykit.choreography.goal import Goal
 from studykit.choreography.request import DEFAULT_S, SPEED_PERCENTILE, requested
 from studykit.choreography.targets import limited
-from studykit.core.errors import InputError, nearest
+from studykit.core.errors import InputError, MistakesError, nearest
 from studykit.core.seeding import stream
 from studykit.io.toml_file import line_of, read_model
 from studykit.motion.joint_mask import JointMask, spare
-from studykit.protocol.part import Part, refuse_repeats
+from studykit.protocol.part import Part
 
 _LONGEST_NAME = 100
 _MOST = 2**31
@@ -147,36 +147,100 @@ def read_wishes(path: str | Path, library: DanceLibrary, *, seed: int = 0) -> tu
     Raises
     ------
     InputError
-        For the first thing that is wrong: file, line, field, remedy.
+        If anything is wrong: a line for each mistake (`MistakesError`), with file, line, field and remedy.
     """
     path = Path(path)
-    wishes, line = _from_toml(path) if path.suffix.lower() == ".toml" else _from_csv(path)
-    if not wishes:
+    rows = _from_toml(path) if path.suffix.lower() == ".toml" else _from_csv(path)
+    if not rows:
         raise InputError("no dance is wished for", where=path, remedy="write a row for each")
     seen: dict[tuple[str, str], int] = {}
-    named = []
-    for number, wish in enumerate(wishes):
+    named: list[Wish] = []
+    mistakes: list[InputError] = []
+    for row in rows:
+        wish, wrong = _read(row.said)
+        wrong += _wrong_alone(wish, library)
         try:
-            named.append(_named(wish, library, seed))
-            first = seen.setdefault(_key(named[-1]), number)
-            if first != number:
-                _refuse_again(named[-1], line(first, ""))
+            if row.is_whole and not wrong:
+                named.append(_named(wish, library, seed))
+                _refuse_again(named[-1], seen.setdefault(_key(named[-1]), row.line("")), row.line(""))
         except InputError as error:
-            field = _FIELDS.get(error.where, error.where)
-            where = f"{path}, line {line(number, field)}, {field}"
-            raise InputError(error.problem, where=where, remedy=error.remedy) from error
+            wrong.append(error)
+        mistakes += [_at(one, f"{path}, line {row.line('')}") for one in row.wrong]
+        for one in wrong:
+            field = _FIELDS.get(one.where, one.where)
+            mistakes.append(_at(one, f"{path}, line {row.line(field)}, {field}"))
+    if mistakes:
+        raise MistakesError(mistakes)
     return tuple(named)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Row:
+    """What a table says of one dance.
+
+    Parameters
+    ----------
+    said : dict of str to Any
+        By field.
+    line : callable
+        Tells on which line a field is set; "" asks for the line of the whole.
+    wrong : sequence of InputError
+        What is wrong about the row before any field is read.
+    is_whole : bool
+        Whether all that it says is known; below a wrong heading it is not.
+    """
+
+    said: dict[str, Any]
+    line: Callable[[str], int]
+    wrong: Sequence[InputError] = ()
+    is_whole: bool = True
 
 
 _FIELDS = {"": "spare", "duration": "duration_s"}
 """Where errors of a request come from, in the words of a wish; a mask speaks of its joints alone."""
 
-Line = Callable[[int, str], int]
-"""Tells on which line of a file a wish sets a field, or stands."""
+_ALONE = ("duration_s", "intensity", "variety", "transition", "spare", "schedule")
+"""What can be checked whatever else a wish says, so that no mistake hides another."""
+
+
+def _at(error: InputError, where: str) -> InputError:
+    return InputError(error.problem, where=where, remedy=error.remedy)
+
+
+def _read(said: dict[str, Any]) -> tuple[Wish, list[InputError]]:
+    """Read what can be read of a wish, and tell what cannot."""
+    wrong: dict[str, InputError] = {}
+    try:
+        return Wish.model_validate(said), []
+    except ValidationError as error:
+        for problem in error.errors(include_url=False):
+            field = str(problem["loc"][0])
+            wrong.setdefault(field, _unreadable(field, said[field], problem.get("ctx", {}).get("error")))
+    return _read({field: value for field, value in said.items() if field not in wrong})[0], [*wrong.values()]
+
+
+def _unreadable(field: str, value: Any, cause: object) -> InputError:
+    if isinstance(cause, InputError):
+        return InputError(cause.problem, where=field, remedy=cause.remedy)
+    if field not in Wish.model_fields:
+        known = nearest(field, Wish.model_fields)
+        return InputError(f'the field "{field}" is unknown', where=field, remedy=known)
+    meaning = Wish.model_fields[field].description
+    return InputError(f"cannot read {value!r}", where=field, remedy=f"write {meaning}")
+
+
+def _wrong_alone(wish: Wish, library: DanceLibrary) -> Iterator[InputError]:
+    """Tell which fields are wrong whatever the others say."""
+    for field in _ALONE:
+        if field in wish.model_fields_set:
+            try:
+                Wish.model_validate({field: getattr(wish, field)}).goal(library)
+            except InputError as error:
+                yield error
 
 
 def _named(wish: Wish, library: DanceLibrary, seed: int) -> Wish:
-    """Check a wish and give it a name and a seed, where it has none."""
+    """Check a wish as a whole and give it a name and a seed, where it has none."""
     if not (wish.participant or wish.name):
         raise InputError("nobody is named", where="participant", remedy="give a participant or a name")
     levels = sorted(wish.model_fields_set & {"duration_s", "intensity", "variety"})
@@ -198,29 +262,33 @@ def _key(wish: Wish) -> tuple[str, str]:
     return wish.participant.casefold(), wish.name.casefold()  # some disks see no capitals
 
 
-def _refuse_again(wish: Wish, line: int) -> NoReturn:
-    raise InputError(
-        f'"{wish.name}" is wished for already on line {line}',
-        where="name",
-        remedy="give each dance of a participant a name of its own",
-    )
+def _refuse_again(wish: Wish, first: int, line: int) -> None:
+    if first != line:
+        raise InputError(
+            f'"{wish.name}" is wished for already on line {first}',
+            where="name",
+            remedy="give each dance of a participant a name of its own",
+        )
 
 
 class _Wishes(Part):
     """Wishes as a file."""
 
-    dance: tuple[Wish, ...] = Field(default=(), description="one dance each")
+    dance: tuple[dict[str, Any], ...] = Field(default=(), description="one dance each")
 
 
-def _from_toml(path: Path) -> tuple[tuple[Wish, ...], Line]:
+def _from_toml(path: Path) -> list[_Row]:
     def line(number: int, field: str) -> int:
         text = path.read_bytes().decode("utf-8-sig")
         return line_of(text, ("dance", number, field)) or line_of(text, ("dance", number)) or 1
 
-    return read_model(path, _Wishes).dance, line
+    return [
+        _Row(said=said, line=partial(line, number))
+        for number, said in enumerate(read_model(path, _Wishes).dance)
+    ]
 
 
-def _from_csv(path: Path) -> tuple[tuple[Wish, ...], Line]:
+def _from_csv(path: Path) -> list[_Row]:
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
@@ -230,21 +298,25 @@ def _from_csv(path: Path) -> tuple[tuple[Wish, ...], Line]:
         raise InputError("the file is not text", where=path, remedy="save it as CSV in UTF-8") from None
     heading = text.partition("\n")[0]
     table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=heading.count), strict=True)
-    wishes, lines = [], []
+    rows: list[_Row] = []
+
+    def add(said: dict[str, str], *wrong: InputError) -> None:
+        number, is_whole = table.line_num, not any(row.wrong for row in rows[:1]) and not wrong
+        rows.append(_Row(said=said, line=lambda _: number, wrong=wrong, is_whole=is_whole))
+
     try:
-        columns = _columns(_filled(next(table, [])))
+        columns = _filled(next(table, []))
+        if wrong := [*_wrong_columns(columns)]:
+            add({}, *wrong)
         for cells in map(_filled, table):
-            if cells:
-                wishes.append(_of_row(columns, cells))
-                lines.append(table.line_num)
+            if len(cells) > len(columns):
+                add({}, _too_many(cells, columns))
+            elif cells:
+                filled = zip(columns, cells, strict=False)
+                add({column: cell for column, cell in filled if cell and column in Wish.model_fields})
     except csv.Error as error:
-        raise InputError(
-            f"no CSV ({error})", where=f"{path}, line {table.line_num}", remedy="save the table again"
-        ) from None
-    except InputError as error:
-        where = ", ".join(filter(None, (str(path), f"line {table.line_num}", error.where)))
-        raise InputError(error.problem, where=where, remedy=error.remedy) from None
-    return tuple(wishes), lambda number, _: lines[number]
+        add({}, InputError(f"no CSV ({error})", remedy="save the table again"))
+    return rows
 
 
 def _filled(cells: list[str]) -> list[str]:
@@ -255,31 +327,16 @@ def _filled(cells: list[str]) -> list[str]:
     return stripped
 
 
-def _columns(heading: list[str]) -> list[str]:
-    for column in heading:
+def _wrong_columns(heading: list[str]) -> Iterator[InputError]:
+    for column in dict.fromkeys(heading):
         if column not in Wish.model_fields:
-            raise InputError(f'there is no column "{column}"', remedy=nearest(column, Wish.model_fields))
-    refuse_repeats(heading, what="column")
-    return heading
+            yield InputError(f'there is no column "{column}"', remedy=nearest(column, Wish.model_fields))
+        if heading.count(column) > 1:
+            yield InputError(f'the column "{column}" stands twice', remedy="remove one of them")
 
 
-def _of_row(columns: list[str], cells: list[str]) -> Wish:
-    if len(cells) > len(columns):
-        raise InputError(
-            f"{len(cells)} cells below {len(columns)} columns",
-            remedy="write lists such as joints with spaces between, or in quotes",
-        )
-    said = {column: cell for column, cell in zip(columns, cells, strict=False) if cell}
-    try:
-        return Wish.model_validate(said)
-    except ValidationError as error:
-        problem = error.errors(include_url=False)[0]
-        field = str(problem["loc"][0])
-        cause = problem.get("ctx", {}).get("error")
-        if isinstance(cause, InputError):
-            raise InputError(cause.problem, where=field, remedy=cause.remedy) from None
-        raise InputError(
-            f"cannot read {said[field]!r}",
-            where=field,
-            remedy=f"write {Wish.model_fields[field].description}",
-        ) from None
+def _too_many(cells: list[str], columns: list[str]) -> InputError:
+    return InputError(
+        f"{len(cells)} cells below {len(columns)} columns",
+        remedy="write lists such as joints with spaces between, or in quotes",
+    )

@@ -72,7 +72,7 @@ def until_one_is_made(out: Path, process: subprocess.Popen[str]) -> None:
 def test_the_command_says_how_many_dances_there_are_and_why_others_are_not(
     whole: dict[str, bytes], library: Path, wishes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run("cohort", wishes, "--library", library, "--out", tmp_path, "--workers", 1) == 0
+    assert run("cohort", wishes, "--library", library, "--out", tmp_path, "--workers", 1) == 1
     said = capsys.readouterr().out
     assert "6 dances are wished for: 3 out of reach, 3 made." in said
     assert "  linear energy as shown: " in said
@@ -80,7 +80,7 @@ def test_the_command_says_how_many_dances_there_are_and_why_others_are_not(
     assert "  P00 dance, out of reach: studykit-synthetic, light-2-off: 60 segments cannot reach" in said
     assert f"One row a dance: {tmp_path / 'dances.csv'}" in said
     assert contents(tmp_path) == whole
-    assert run("cohort", wishes, "--library", library, "--out", tmp_path, "--workers", 1, "--json") == 0
+    assert run("cohort", wishes, "--library", library, "--out", tmp_path, "--workers", 1, "--json") == 1
     rows = json.loads(capsys.readouterr().out)
     assert [row["status"] for row in rows] == ["out of reach", "made"] * 3
     assert rows[0]["sha256"] is None
@@ -111,6 +111,39 @@ def test_a_mistake_in_the_table_ends_with_one_sentence(
     assert "Traceback" not in said
 
 
+def test_all_mistakes_of_a_table_are_told_at_once_a_line_each(
+    library: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "wishes.csv"
+    table.write_text("participant,intensity,spare,seed\nP01,fast,heed,x\nP02,light,,1\n,light,,\n")
+    assert run("cohort", table, "--library", library, "--out", tmp_path / "out") == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.removeprefix(f"studykit: {table}, ").removeprefix(f"{table}, ")[:30] for line in lines] == [
+        "line 2, seed: cannot read 'x';",
+        "line 2, intensity: there is no",
+        "line 2, spare: the body has no",
+        "line 4, participant: nobody is",
+    ]
+    assert not (tmp_path / "out").exists()
+
+
+def test_where_every_dance_is_there_the_command_ends_with_0_and_where_none_is_it_changes_nothing(
+    library: Path, wishes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    heading, *rows = wishes.read_text().splitlines()
+    made, refused = tmp_path / "made.csv", tmp_path / "refused.csv"
+    made.write_text("\n".join([heading, rows[1]]))
+    refused.write_text("\n".join([heading, rows[1].replace("16,light", "12,light")]))
+    words = ("--library", library, "--out", tmp_path / "out", "--workers", 1)
+    assert run("cohort", made, *words) == 0
+    before = contents(tmp_path / "out")
+    assert run("cohort", refused, *words) == 1
+    assert contents(tmp_path / "out") == before
+    said = capsys.readouterr().out
+    assert "P01 dance, refused: " in said
+    assert f"None is made, so nothing in {tmp_path / 'out'} was changed." in said
+
+
 def test_ctrl_c_keeps_what_is_finished_and_says_so(
     whole: dict[str, bytes], library: Path, wishes: Path, tmp_path: Path
 ) -> None:
@@ -139,7 +172,7 @@ def test_a_dask_cluster_makes_the_same_bytes(
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=2, dashboard_address=None)
     with cluster:
         address = cluster.scheduler_address
-        assert run("cohort", wishes, "--library", library, "--out", tmp_path, "--dask", address) == 0
+        assert run("cohort", wishes, "--library", library, "--out", tmp_path, "--dask", address) == 1
         with distributed.Client(cluster) as client:
             worked = client.run(lambda: "studykit.library.cohort" in sys.modules)
     assert any(worked.values())  # elsewhere: the workers are processes of their own

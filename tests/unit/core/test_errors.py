@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 
-from studykit.core.errors import InputError
+from studykit.core.errors import InputError, MistakesError
 
 
 def test_an_error_is_one_sentence() -> None:
@@ -22,3 +22,10 @@ def test_an_error_comes_back_from_another_process_whole() -> None:
         "salsa/01.bvh",
         "export the take again",
     )
+
+
+def test_several_errors_have_a_line_each_also_from_another_process() -> None:
+    several = MistakesError([InputError(f"no {what}", where="row", remedy="add it") for what in ("a", "b")])
+    again = pickle.loads(pickle.dumps(several))
+    assert isinstance(again, InputError)
+    assert str(again) == str(several) == "row: no a; add it.\nrow: no b; add it."

@@ -267,6 +267,15 @@ def test_nothing_is_made_of_a_table_with_a_mistake_in_its_last_row(library: Path
     assert not (tmp_path / "out").exists()
 
 
+def test_where_none_is_made_nothing_that_was_there_is_overwritten(kept: Path, tmp_path: Path) -> None:
+    make_sample(tmp_path / "other", segments=60, seed=4)
+    before = contents(kept)
+    (tmp_path / "wishes.csv").write_text("\n".join(WISHES.splitlines()[:3]))
+    table = make_cohort(tmp_path / "wishes.csv", tmp_path / "other", kept, seed=7, workers=1)
+    assert table["status"].tolist() == ["refused", "out of reach"]
+    assert contents(kept) == before
+
+
 def test_two_cohorts_do_not_work_on_one_folder(library: Path, wishes: Path, tmp_path: Path) -> None:
     from filelock import FileLock
 

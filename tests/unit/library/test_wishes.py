@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from studykit.choreography.dance_library import DanceLibrary
-from studykit.core.errors import InputError
+from studykit.core.errors import InputError, MistakesError
 from studykit.library.wishes import Wish, read_wishes
 
 CSV = """participant,name,duration_s,intensity,variety,transition,spare,schedule,seed
@@ -200,5 +200,38 @@ def test_a_toml_file_too_names_the_line(read: Read) -> None:
         read(TOML.replace("intensity = 60", "intensity = 600"), name="wishes.toml")
     with pytest.raises(InputError, match=r'line 21.*the field "shedule" is unknown; write "schedule"'):
         read(TOML.replace("schedule", "shedule"), name="wishes.toml")
-    with pytest.raises(InputError, match=r'line 3, dance.participant: no file can be called "a/b"'):
+    with pytest.raises(InputError, match=r'line 3, participant: no file can be called "a/b"'):
         read(TOML.replace("P01", "a/b"), name="wishes.toml")
+
+
+def test_no_mistake_hides_another(read: Read) -> None:
+    rows = (
+        "P01,,30,fast,3,maybe,heed,,x\nP02,,,,,,,,,9\nP03,,64,,,,,hiit,\n"
+        'P04,a,,,,,,,\np04,A,,,,,,,\nP05,"a,,\n'
+    )
+    with pytest.raises(MistakesError) as error:
+        read(CSV[: CSV.index("\n") + 1] + rows)
+    told = [str(one).rpartition("wishes.csv, ")[2].partition(": ")[0] for one in error.value.errors]
+    assert told == [
+        "line 2, seed", "line 2, duration_s", "line 2, intensity", "line 2, variety", "line 2, transition",
+        "line 2, spare", "line 3", "line 4, schedule", "line 6, name", "line 7",
+    ]  # fmt: skip
+    assert len(str(error.value).splitlines()) == len(told)
+
+
+def test_below_a_wrong_heading_only_what_is_known_is_judged(read: Read) -> None:
+    with pytest.raises(MistakesError) as error:
+        read("participent,intensity,intensety\nP01,fast,\nP02,60,\n")
+    assert [str(one).rpartition("wishes.csv, ")[2].partition(";")[0] for one in error.value.errors] == [
+        'line 1: there is no column "participent"',
+        'line 1: there is no column "intensety"',
+        'line 2, intensity: there is no "fast"',
+    ]
+
+
+def test_all_mistakes_of_a_toml_file_are_told(read: Read) -> None:
+    wrong = TOML.replace('"intense"', '"fast"').replace("seed = 5", "sead = 5").replace("hiit", "tango")
+    with pytest.raises(MistakesError) as error:
+        read(wrong, name="wishes.toml")
+    told = [str(one).rpartition("wishes.toml, ")[2].partition(": ")[0] for one in error.value.errors]
+    assert told == ["line 10, sead", "line 6, intensity", "line 21, schedule"]
