@@ -216,10 +216,12 @@ def _explain(figure: Figure, dances: Sequence[Dance]) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    entries: list[Artist] = [
-        Line2D([], [], color=style.FAINT, label="before a join"),
-        Line2D([], [], color=style.INK, label="after it; below, how far joints jump"),
-    ]
+    entries: list[Artist] = []
+    if any(len(dance.segments) > 1 for dance in dances):
+        entries = [
+            Line2D([], [], color=style.FAINT, label="before a join"),
+            Line2D([], [], color=style.INK, label="after it; below, how far joints jump"),
+        ]
     if any(len(set(letters(dance))) < len(dance.segments) for dance in dances):
         tint = Patch(facecolor=style.TINTS[0], edgecolor=style.INK, linewidth=0.5)
         is_mirrored = any(name.endswith("′") for dance in dances for name in letters(dance))
@@ -227,4 +229,5 @@ def _explain(figure: Figure, dances: Sequence[Dance]) -> None:
         entries.insert(0, tint)
     if any(dance.mask is not None for dance in dances):
         entries.append(Line2D([], [], color=style.SPARED, label="spared joints"))
-    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
+    if entries:
+        figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))

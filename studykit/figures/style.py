@@ -115,14 +115,20 @@ def words(condition: str, *, between: str = " – ") -> str:
     return between.join(part.capitalize() for part in condition.split("-")[:2])
 
 
+_SCHEDULES = {"hiit": "HIIT", "warm-up": "Warm-up"}
+"""Names of schedules that are no levels."""
+
+
 def title(dance: Dance) -> str:
     """Name a dance: its condition in words, and what it spares."""
     from studykit.figures.body import topmost
 
-    name = dance.condition
-    *parts, transition = name.split("-")
-    if parts and transition in ("on", "off"):
-        name = f"{' – '.join(part.capitalize() for part in parts)}, transition {transition}"
+    name, _, transition = dance.condition.rpartition("-")
+    if name and transition in ("on", "off"):
+        words = _SCHEDULES.get(name) or " – ".join(part.capitalize() for part in name.split("-"))
+        name = f"{words}, transition {transition}"
+    else:
+        name = dance.condition
     if dance.mask is None:
         return name
     return f"{name}, sparing {' and '.join(topmost(dance.mask.spared))}"
