@@ -1,0 +1,272 @@
+"""Fit a straight-line model to people who were measured repeatedly, each with a level of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from studykit.core.arrays import Floats, Integers
+
+# A variance ratio beyond which the score of the profile is not followed: people explain all but 1e-8 of it.
+_LARGEST_RATIO = 1e8
+# What share of a column must be new for it to count as not aliased with the columns before it.
+_NEW = 1e-8
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Coefficient:
+    """One number that the model estimates, with its uncertainty.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``intensity[intense]``.
+    estimate, standard_error : float
+        In the outcome's unit.
+    degrees_of_freedom : float
+        Of t (Satterthwaite).
+    t, p : float
+        Two-sided test of no effect.
+    interval : tuple of float
+        Plausible values, in the outcome's unit.
+    """
+
+    name: str
+    estimate: float
+    standard_error: float
+    degrees_of_freedom: float
+    t: float
+    p: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Term:
+    """Whether one term of the model has any effect, beside all the others.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``intensity:variety``.
+    f : float
+        Wald's statistic: type III, each term tested with all others in the model.
+    numerator_df, denominator_df : float
+        Degrees of freedom; the second by Satterthwaite's approximation.
+    p : float
+    """
+
+    name: str
+    f: float
+    numerator_df: int
+    denominator_df: float
+    p: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Columns:
+    """The columns that one term brings into the model.
+
+    Parameters
+    ----------
+    term : str
+        What they stand for together.
+    names : tuple of str
+        One a column.
+    values : ndarray, shape (trial, column)
+    """
+
+    term: str
+    names: tuple[str, ...]
+    values: Floats
+
+
+def independent(design: Floats) -> list[int]:
+    """Find the columns that say something which the columns before them do not.
+
+    Parameters
+    ----------
+    design : ndarray, shape (trial, column)
+
+    Returns
+    -------
+    list of int
+        Numbers of the columns kept, in order.
+    """
+    basis = np.empty((len(design), 0))
+    kept = []
+    for number, column in enumerate(design.T):
+        new = column - basis @ (basis.T @ column)
+        new -= basis @ (basis.T @ new)  # twice is enough (Kahan): rounding of the first pass is taken off
+        length = np.linalg.norm(new)
+        if length > _NEW * np.linalg.norm(column):
+            basis = np.column_stack((basis, new / length))
+            kept.append(number)
+    return kept
+
+
+class RandomIntercept:
+    """A linear model with one random level a person, fitted by restricted maximum likelihood.
+
+    Parameters
+    ----------
+    design : ndarray, shape (trial, column)
+        Independent columns (see `independent`).
+    values : ndarray, shape (trial,)
+        The outcome.
+    people : ndarray of int, shape (trial,)
+        Who each trial is of, counted from 0.
+
+    Raises
+    ------
+    ValueError
+        If the data cannot tell differences between people from those within them, or the model leaves
+        nothing unexplained.
+
+    Notes
+    -----
+    The residual contrasts K'y, with K an orthonormal basis of what the columns do not reach, are independent
+    after a rotation by the eigenvectors of K'ZZ'K: with eigenvalues d their variances are
+    within + between d. The restricted likelihood is then a sum over them, and with the ratio
+    between / within profiled its maximum is the root of one function of one number (Patterson & Thompson
+    1971; Kang et al. 2008, doi 10.1534/genetics.107.080101). Degrees of freedom: Satterthwaite 1946 with the
+    observed information of the two variances, for several directions Fai & Cornelius 1996
+    (doi 10.1080/00949659608811740), as in lmerTest (Kuznetsova et al. 2017, doi 10.18637/jss.v082.i13).
+    """
+
+    def __init__(self, design: Floats, values: Floats, people: Integers) -> None:
+        membership = (people[:, None] == np.arange(people.max() + 1)).astype(np.float64)
+        rank = design.shape[1]
+        orthogonal = np.linalg.qr(design, mode="complete")[0]
+        unreached = orthogonal[:, rank:]
+        rotated = unreached.T @ membership
+        eigenvalues, vectors = np.linalg.eigh(rotated @ rotated.T)
+        self._d = np.where(eigenvalues > 1e-9, eigenvalues, 0.0)
+        self._squares = (vectors.T @ (unreached.T @ values)) ** 2
+        if not len(self._d) or np.ptp(self._d) < 1e-9:
+            raise ValueError("differences between people cannot be told from differences within them")
+        if self._squares.sum() <= 1e-20 * float(values @ values):
+            raise ValueError("the model leaves nothing unexplained")
+        ratio = self._best_ratio()
+        self.within = float(np.mean(self._squares / (1.0 + ratio * self._d)))
+        self.between = ratio * self.within
+        self.is_singular = ratio == 0.0
+        self._estimate(design, values, membership)
+
+    def _score(self, ratio: float) -> float:
+        """Slope of -2 log likelihood over the ratio of the variances."""
+        spread = 1.0 + ratio * self._d
+        weighted = self._squares / spread
+        return float(
+            np.sum(self._d / spread) - len(spread) * (weighted @ (self._d / spread)) / weighted.sum()
+        )
+
+    def _best_ratio(self) -> float:
+        from scipy.optimize import brentq
+
+        # The profile may have more than one turn in unbalanced data: look for the lowest one on a grid first.
+        grid = np.concatenate(([0.0], np.geomspace(1e-8, _LARGEST_RATIO, 161)))
+        spread = 1.0 + grid[:, None] * self._d
+        deviance = np.log(spread).sum(axis=1) + spread.shape[1] * np.log((self._squares / spread).sum(axis=1))
+        lowest = int(np.argmin(deviance))
+        if lowest == 0 and self._score(0.0) >= 0.0:
+            return 0.0
+        low, high = grid[max(lowest - 1, 0)], grid[min(lowest + 1, len(grid) - 1)]
+        if self._score(high) <= 0.0:
+            raise ValueError("the model leaves nothing unexplained within people")
+        return float(brentq(self._score, low, high, xtol=1e-15, rtol=1e-13))
+
+    def _estimate(self, design: Floats, values: Floats, membership: Floats) -> None:
+        sizes = membership.sum(axis=0)
+        # Inverse of the covariance: within every person (I - share J) / within.
+        shares = self.between / (self.within + self.between * sizes)
+        sums = membership.T @ design
+        precision = (design.T @ design - sums.T @ (shares[:, None] * sums)) / self.within
+        self.covariance = np.linalg.inv(precision)
+        self.estimates = self.covariance @ (
+            (design.T @ values - sums.T @ (shares * (membership.T @ values))) / self.within
+        )
+        # Derivatives of the estimates' covariance: C X'W (dV) W X C, W X = (X - share of the sums) / within.
+        weighted = (design - membership @ (shares[:, None] * sums)) / self.within
+        weighted_sums = membership.T @ weighted
+        slopes = [weighted.T @ weighted, weighted_sums.T @ weighted_sums]
+        self._slopes = [self.covariance @ slope @ self.covariance for slope in slopes]
+        variances = self.within + self.between * self._d
+        curvature = (2.0 * self._squares / variances - 1.0) / variances**2
+        powers = np.vstack((np.ones_like(self._d), self._d))
+        information = 0.5 * (powers * curvature) @ powers.T
+        if self.is_singular:
+            # On the boundary only the variance within people is estimated.
+            self._uncertainty = np.diag([1.0 / information[0, 0], 0.0])
+        else:
+            self._uncertainty = np.linalg.inv(information)
+
+    def _degrees_of_freedom(self, direction: Floats) -> float:
+        gradient = np.array([direction @ slope @ direction for slope in self._slopes])
+        variance = float(direction @ self.covariance @ direction)
+        return float(2.0 * variance**2 / (gradient @ self._uncertainty @ gradient))
+
+    def coefficient(self, name: str, direction: Floats, *, confidence: float) -> Coefficient:
+        """Estimate one combination of the columns' coefficients.
+
+        Parameters
+        ----------
+        name : str
+            What to call it.
+        direction : ndarray, shape (column,)
+            Weight of each column's coefficient.
+        confidence : float
+            Coverage of the interval, 0 to 1.
+        """
+        from scipy.stats import t as student
+
+        estimate = float(direction @ self.estimates)
+        error = float(np.sqrt(direction @ self.covariance @ direction))
+        freedom = self._degrees_of_freedom(direction)
+        reach = error * float(student.ppf(0.5 + confidence / 2.0, freedom))
+        return Coefficient(
+            name=name,
+            estimate=estimate,
+            standard_error=error,
+            degrees_of_freedom=freedom,
+            t=estimate / error,
+            p=float(2.0 * student.sf(abs(estimate / error), freedom)),
+            interval=(estimate - reach, estimate + reach),
+        )
+
+    def term(self, name: str, columns: Sequence[int]) -> Term:
+        """Test whether the coefficients of some columns are all zero.
+
+        Parameters
+        ----------
+        name : str
+            What to call it.
+        columns : sequence of int
+            Their numbers.
+        """
+        from scipy.stats import f as fisher
+
+        block = self.covariance[np.ix_(columns, columns)]
+        variances, vectors = np.linalg.eigh(block)
+        directions = np.zeros((len(columns), len(self.estimates)))
+        directions[:, columns] = vectors.T
+        statistic = float(np.mean((directions @ self.estimates) ** 2 / variances))
+        freedom = _pooled(np.array([self._degrees_of_freedom(direction) for direction in directions]))
+        return Term(
+            name=name,
+            f=statistic,
+            numerator_df=len(columns),
+            denominator_df=freedom,
+            p=float(fisher.sf(statistic, len(columns), freedom)),
+        )
+
+
+def _pooled(freedoms: Floats) -> float:
+    """Degrees of freedom of a mean of squared t values (Fai & Cornelius 1996)."""
+    if np.ptp(freedoms) < 1e-8:
+        return float(freedoms.mean())
+    if np.any(freedoms <= 2.0):
+        return 2.0
+    expected = float(np.sum(freedoms / (freedoms - 2.0)))
+    return 2.0 * expected / (expected - len(freedoms))
