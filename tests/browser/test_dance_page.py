@@ -115,6 +115,33 @@ def test_a_letter_leads_to_its_segment_and_is_marked_while_it_is_danced(
     assert page.locator(".sk-speed select").input_value() == "1.25"
 
 
+def test_space_plays_before_anything_was_clicked_and_neither_scrolls_nor_takes_keys_of_others(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page()
+    def is_playing() -> bool:
+        return bool(page.get_by_role("button", name="Pause").count())
+
+    page.keyboard.press("Space")
+    page.wait_for_function("() => document.querySelector('.sk-player').dataset.frame > 5")
+    page.keyboard.press("Space")
+    assert (is_playing(), page.evaluate("() => scrollY")) == (False, 0)
+    page.locator(".tabs a").first.focus()  # of a link, Space would scroll
+    page.keyboard.press("Space")
+    assert (is_playing(), page.evaluate("() => scrollY")) == (True, 0)
+    page.keyboard.press("Shift+Space")
+    page.locator(".sk-mirror").focus()
+    page.keyboard.press("Space")
+    assert (is_playing(), page.locator(".sk-mirror").get_attribute("aria-pressed")) == (True, "true")
+    page.evaluate("() => document.body.append(document.createElement('textarea'))")
+    page.locator("textarea").focus()
+    page.keyboard.type("a b")
+    assert (is_playing(), page.locator("textarea").input_value()) == (True, "a b")
+    page.locator("h1").click()
+    page.keyboard.press("Home")  # is the page's own where the player has no focus
+    assert is_playing()
+
+
 def test_tabs_change_the_dance_and_names_stay_text(open_page: Callable[..., Any]) -> None:
     page = open_page()
     assert [section.is_visible() for section in page.locator(".dance").all()] == [True, False]

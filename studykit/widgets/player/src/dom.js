@@ -46,7 +46,8 @@ export function choice(label, pairs, chosen, attributes = {}) {
 
 /** Whether a key pressed here is meant for a field that takes text or a list of choices. */
 export function isTyping(event) {
-  const { tagName, type } = event.target;
+  const { tagName, type, isContentEditable } = event.target;
+  if (isContentEditable) return true;
   if (tagName === "SELECT" || tagName === "TEXTAREA") return true;
   return tagName === "INPUT" && type !== "range" && type !== "checkbox";
 }

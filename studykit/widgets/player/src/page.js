@@ -89,10 +89,12 @@ function begin() {
   const player = new Player(model, new AbortController().signal);
   let segments;
   player.onshow = (time) => segments?.at(time);
-  const room = element("div", {
-    class: "sk-widget",
-    onkeydown: (event) => player.key(event) && event.preventDefault(),
+  // Space plays from wherever nothing else wants it; other keys are the player's once it was clicked.
+  document.addEventListener("keydown", (event) => {
+    const isForPlayer = room.contains(event.target) || (event.key === " " && !event.shiftKey);
+    if (isForPlayer && player.key(event)) event.preventDefault();
   });
+  const room = element("div", { class: "sk-widget" });
 
   function choose(number) {
     sections.forEach((section, place) => (section.hidden = place !== number));

@@ -326,7 +326,7 @@ export class Player {
     }
     if (event.key === " " && ["BUTTON", "SUMMARY"].includes(event.target.tagName)) return false;
     const deeds = {
-      " ": () => this.toggle(),
+      " ": () => event.repeat || this.toggle(), // not again while it is held down
       ArrowLeft: () => this.step(-1),
       ArrowRight: () => this.step(1),
       Home: () => this.go(0),
