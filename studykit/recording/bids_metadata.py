@@ -9,7 +9,7 @@ from typing import Any
 from studykit.core.arrays import Floats
 from studykit.protocol.questionnaire import HIGHEST, LOWEST, PACES, PACES_NAME, SMOOTHNESS_ANCHORS
 from studykit.protocol.study_protocol import StudyProtocol
-from studykit.recording.session_record import SessionRecord
+from studykit.recording.session_data import SessionRecord
 
 BIDS_VERSION = "1.10.0"
 TRACKING_SYSTEM = "camera"

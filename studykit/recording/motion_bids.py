@@ -16,7 +16,8 @@ from studykit.protocol.study_protocol import StudyProtocol
 from studykit.recording import bids_file
 from studykit.recording import bids_metadata as metadata
 from studykit.recording.bids_file import compressed, description, samples, table
-from studykit.recording.session_record import SessionRecord, StepRecord, read_session
+from studykit.recording.session_data import SessionRecord, StepRecord
+from studykit.recording.session_record import read_session
 from studykit.recording.study_folder import StudyFolder
 
 _TASKS = {"perform": "dance", "calibrate": "calibration"}
@@ -39,7 +40,7 @@ def write(folder: StudyFolder, protocol: StudyProtocol) -> None:
     InputError
         If a journal is damaged or the folder cannot be written.
     """
-    records = [read_session(path) for path in folder.sessions()]
+    records = [read_session(path) for path in folder.recorded()]
     for record in records:
         write_session(folder, protocol, record)
     write_study(folder, protocol, records)

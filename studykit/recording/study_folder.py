@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+ONLY_SESSION = "01"
+"""The number of a visit whose files name none."""
+
 
 @dataclass(frozen=True)
 class StudyFolder:
@@ -75,14 +78,36 @@ class StudyFolder:
         """Give the folder of a session's derived Motion-BIDS files."""
         return self.path / f"sub-{participant}" / f"ses-{session}" / "motion"
 
-    def sessions(self) -> tuple[Path, ...]:
-        """Give the journals of all sessions recorded so far, in the order of their names.
+    def recorded(self) -> tuple[Path, ...]:
+        """Give the journals of all sessions recorded here so far, in the order of their names.
 
         A journal whose very first line was cut off holds nothing and does not count; running or resuming
         that session takes it up.
         """
         journals = sorted(self.journals.glob("sub-*_ses-*.jsonl"))
         return tuple(path for path in journals if _has_a_line(path))
+
+    def sessions(self) -> tuple[Path, ...]:
+        """Give what to read for every session, in the order of participants.
+
+        The journal where there is one; else the folder of the session's Motion-BIDS files, as in a study
+        that was recorded elsewhere.
+        """
+        journals = {path.stem: path for path in self.recorded()}
+        folders = {
+            f"{subject.name}_{visit}": motion
+            for subject in self.path.glob("sub-*")
+            for visit, motion in _motion_folders(subject)
+        }
+        everything = folders | journals
+        return tuple(everything[name] for name in sorted(everything))
+
+
+def _motion_folders(subject: Path) -> list[tuple[str, Path]]:
+    """Give each visit of a participant with its folder of movement; who came once may have no visits."""
+    folders = [(visit.name, visit / "motion") for visit in subject.glob("ses-*")]
+    folders.append((f"ses-{ONLY_SESSION}", subject / "motion"))
+    return [(visit, folder) for visit, folder in folders if any(folder.glob("*_events.tsv"))]
 
 
 def _has_a_line(path: Path) -> bool:

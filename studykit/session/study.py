@@ -99,7 +99,7 @@ class Study:
 
     def sessions(self) -> tuple[SessionRecord, ...]:
         """Give the visits recorded so far."""
-        return tuple(read_session(path) for path in self.folder.sessions())
+        return tuple(read_session(path) for path in self.folder.recorded())
 
     def session(
         self, participant: str, *, session: str = "01", effects: Effects = PAPER, seed: int = 1
