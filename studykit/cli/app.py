@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from studykit.cli import analyse, choreograph, cohort, demo, library, session
+from studykit.cli import analyse, check, choreograph, cohort, demo, library, session
 
 app = typer.Typer(
     name="studykit",
@@ -22,3 +22,4 @@ app.add_typer(session.app, name="session")
 app.command("analyse")(analyse.analyse)
 app.command("figures")(analyse.figures)
 app.command("report")(analyse.report)
+app.command("check", help=check.HELP)(check.check)
