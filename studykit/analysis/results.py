@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from studykit.analysis.aligned_ranks import FactorialEffect
 from studykit.analysis.correlation import Correlation
 from studykit.analysis.crossover import OrderEffects
 from studykit.analysis.friedman import Friedman
@@ -162,12 +163,15 @@ class ModelResult:
     plan : ModelPlan
     mixed_model : MixedModel or None
         None if another method was declared, or not computed.
+    effects : tuple of FactorialEffect
+        Of aligned ranks; empty if another method was declared, or not computed.
     not_computed_because : str or None
         Why there are no numbers, if there are none.
     """
 
     plan: ModelPlan
     mixed_model: MixedModel | None = None
+    effects: tuple[FactorialEffect, ...] = ()
     not_computed_because: str | None = None
 
 
@@ -282,8 +286,15 @@ def _correlation_lines(result: CorrelationResult) -> list[str]:
 
 def _model_lines(result: ModelResult) -> list[str]:
     head = f"{result.plan.name} ({result.plan.outcome})"
-    if result.mixed_model is None:
+    if result.not_computed_because:
         return [f"{head}: not computed because {result.not_computed_because}"]
+    if result.mixed_model is None:
+        lines = [f"{head}: aligned ranks, {result.effects[0].n} people"]
+        return lines + [
+            f"    {one.effect}: F({one.df[0]}, {one.df[1]}) = {one.f:.2f}, {p_text(one.p)}, "
+            f"partial eta squared {one.partial_eta_squared:.2f}"
+            for one in result.effects
+        ]
     fit = result.mixed_model
     spread = f"between people {fit.between_sd:.3g}, within {fit.within_sd:.3g} (standard deviations)"
     lines = [f"{head}: mixed model, {fit.n} trials of {fit.participants} people, {spread}"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from studykit.analysis.aligned_ranks import aligned_ranks
 from studykit.analysis.crossover import order_effects
 from studykit.analysis.mixed_model import mixed_model
 from studykit.analysis.results import ModelResult, OrderResult
@@ -28,7 +29,7 @@ def model(plan: ModelPlan, valid: pd.DataFrame, alpha: float) -> ModelResult:
     """
     try:
         if plan.method == "aligned_ranks":
-            return ModelResult(plan=plan, not_computed_because="aligned ranks are not there yet")
+            return ModelResult(plan=plan, effects=aligned_ranks(valid, plan.outcome, plan.factors))
         fit = mixed_model(valid, plan.outcome, factors=plan.factors, confidence=1.0 - alpha)
     except InputError as problem:
         return ModelResult(plan=plan, not_computed_because=problem.problem)
