@@ -175,12 +175,13 @@ EVENTS: dict[str, Any] = {
     "is_complete": {"Description": "false if the phase was interrupted (and then repeated)."},
 }
 
-SCAN_COLUMNS = ("filename", "acq_time", "condition", "period", "is_valid", "exclusion_reason")
+SCAN_COLUMNS = ("filename", "acq_time", "condition", "period", "is_valid", "exclusion_reason", "sha256")
 SCANS: dict[str, Any] = {
     "condition": EVENTS["condition"],
     "period": EVENTS["period"],
     "is_valid": {"Description": "false if the recording must not be analysed."},
     "exclusion_reason": {"Description": "Why not."},
+    "sha256": {"Description": "SHA-256 digest of the file, so that a later change is noticed."},
 }
 
 HEART_RATE_HZ = 1.0

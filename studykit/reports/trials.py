@@ -14,8 +14,10 @@ from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import read_dances
+from studykit.protocol.condition import Condition
 from studykit.protocol.study_protocol import StudyProtocol
-from studykit.recording.session_record import SessionRecord, StepRecord, read_session
+from studykit.recording.session_record import SessionRecord, StepRecord
+from studykit.reports import readable, verdicts
 from studykit.reports.place import AnyStudy, folder_of
 from studykit.reports.trial import heart_measures, movement_measures
 
@@ -37,40 +39,40 @@ def trials(study: AnyStudy, *, progress: Progress = silent) -> pd.DataFrame:
     -------
     DataFrame
         One row a trial in the columns of `analysis.tables.TRIALS`. A trial that was interrupted, or danced
-        again later, is there with the reason why it is not analysed.
+        again later, is there with the reason why it is not analysed. What hangs on a dance or a recording
+        that cannot be read, or is not what was shown, is missing; `checks.problems` says why.
 
     Raises
     ------
     InputError
-        If nothing was recorded, or the dances in the folder are not those that were shown.
+        If nothing was recorded, or nothing of it can be read.
     """
     import pandas as pd
 
     folder = folder_of(study)
     protocol = read_protocol(folder.protocol)
-    shown = read_dances(folder.dances)
+    shown = readable.dances(folder)
+    records = readable.visits(folder).records
     rows: list[dict[str, Any]] = []
-    paths = folder.sessions()
-    for path in progress(paths, label="Measuring visits", total=len(paths)):
-        record = read_session(path)
-        _refuse_other_dances(record, shown)
+    for record in progress(records, label="Measuring visits", total=len(records)):
         rows.extend(_rows(record, shown, protocol))
     if not rows:
         raise InputError("no dance was danced yet", where=folder.path, remedy="run a visit to its end")
-    return check(pd.DataFrame(rows, columns=list(TRIALS.column_names)).astype(TRIALS.dtypes), TRIALS)
+    table = pd.DataFrame(rows, columns=list(TRIALS.column_names)).astype(TRIALS.dtypes)
+    return check(verdicts.across_visits(table, protocol.sha256), TRIALS)
 
 
 def paces(study: AnyStudy) -> pd.DataFrame:
     """Give everybody's answers to the Physical Activity Enjoyment Scale, in the columns of `tables.PACES`."""
     import pandas as pd
 
-    rows = []
-    for path in folder_of(study).sessions():
-        record = read_session(path)
+    rows: dict[str, dict[str, Any]] = {}  # somebody who came twice is asked once
+    for record in readable.visits(folder_of(study)).records:
         answers = record.answers_to("paces")
         if answers is not None:
-            rows.append({"participant_id": f"sub-{record.participant}", **answers})
-    return check(pd.DataFrame(rows, columns=list(PACES.column_names)).astype(PACES.dtypes), PACES)
+            name = f"sub-{record.participant}"
+            rows.setdefault(name, {"participant_id": name, **answers})
+    return check(pd.DataFrame(rows.values(), columns=list(PACES.column_names)).astype(PACES.dtypes), PACES)
 
 
 def dances(study: AnyStudy | Mapping[str, Dance]) -> pd.DataFrame:
@@ -102,37 +104,26 @@ def dances(study: AnyStudy | Mapping[str, Dance]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _refuse_other_dances(record: SessionRecord, shown: Mapping[str, Dance]) -> None:
-    for condition, sha256 in record.dance_sha256.items():
-        if condition not in shown or shown[condition].sha256 != sha256:
-            raise InputError(
-                f"participant {record.participant} was shown another {condition} than the one in the folder",
-                where=record.journal,
-                remedy="put back the dances that were shown",
-            )
-
-
-def _rows(record: SessionRecord, shown: Mapping[str, Dance], protocol: StudyProtocol) -> list[dict[str, Any]]:
+def _rows(record: SessionRecord, shown: readable.Dances, protocol: StudyProtocol) -> list[dict[str, Any]]:
     performed = [step for step in record.steps if step.phase == "perform"]
-    last = {step.condition: step.step for step in performed if step.is_complete}
-    return [_row(record, step, shown, protocol, _exclusion(step, last)) for step in performed]
-
-
-def _exclusion(step: StepRecord, last: Mapping[str | None, int]) -> str | None:
-    if not step.is_complete:
-        return "interrupted"
-    return None if last[step.condition] == step.step else "danced again"
+    last = {
+        step.condition: step.step for step in performed if step.is_complete and step.exclusion_reason is None
+    }
+    return [
+        _row(record, step, shown.shown_to(record, step.condition), protocol, verdicts.of_step(step, last))
+        for step in performed
+    ]
 
 
 def _row(
     record: SessionRecord,
     step: StepRecord,
-    shown: Mapping[str, Dance],
+    dance: Dance | None,
     protocol: StudyProtocol,
     exclusion: str | None,
 ) -> dict[str, Any]:
     name = str(step.condition)
-    condition, dance = protocol.condition(name), shown[name]
+    condition = Condition.parse(name)
     demographics = record.answers_to("demographics") or {}
     smoothness = record.answers_to("smoothness", condition=name) or {}
     period = int(step.period or 1)
@@ -143,8 +134,9 @@ def _row(
         "vigorous_fraction": heart.vigorous_fraction,
     }
     movement = None
-    if step.is_complete:
-        movement = movement_measures(record.frames(step.step), step.start_s, dance, protocol)
+    tracks = readable.tracks(record, step) if step.is_complete else None
+    if tracks is not None and dance is not None:
+        movement = movement_measures(tracks, step.start_s, dance, protocol)
     if movement is not None:
         measured |= {
             "dtw_m": movement.alignment.distance_m,
@@ -166,9 +158,9 @@ def _row(
         "is_valid": exclusion is None,
         "exclusion_reason": exclusion,
         **measured,
-        "linear_energy_asked": dance.achieved_blended.linear_energy,
-        "rotational_energy_asked": dance.achieved_blended.rotational_energy,
-        "variety_achieved": dance.achieved.variety,
+        "linear_energy_asked": dance.achieved_blended.linear_energy if dance else np.nan,
+        "rotational_energy_asked": dance.achieved_blended.rotational_energy if dance else np.nan,
+        "variety_achieved": dance.achieved.variety if dance else np.nan,
         "smoothness_rating": smoothness.get("rating", np.nan),
         "simulated": record.simulated,
         "protocol_sha256": record.protocol_sha256,
