@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -14,12 +15,38 @@ from studykit.core.errors import InputError
 __all__ = [
     "COMMON_JOINTS",
     "COMMON_WEIGHTS",
+    "LIMBS",
     "Alignment",
+    "Definition",
     "align",
     "common_space",
     "frame_costs",
     "resampled",
 ]
+
+
+Definition = Literal["mean_joint_distance", "tslearn"]
+"""How the distance of two movements is defined; see `align`."""
+
+
+def _joints(*words: str) -> tuple[int, ...]:
+    return tuple(n for n, name in enumerate(COMMON_JOINTS) if all(word in name for word in words))
+
+
+_ARM, _LEG = ("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle")
+
+LIMBS: dict[str, tuple[int, ...]] = {
+    "arms": tuple(j for part in _ARM for j in _joints(part)),
+    "legs": tuple(j for part in _LEG for j in _joints(part)),
+    "trunk": (*_joints("neck"), *_joints("head"), *_joints("spine3")),
+    "left": _joints("left"),
+    "right": _joints("right"),
+    "left_arm": tuple(j for part in _ARM for j in _joints("left", part)),
+    "right_arm": tuple(j for part in _ARM for j in _joints("right", part)),
+    "left_leg": tuple(j for part in _LEG for j in _joints("left", part)),
+    "right_leg": tuple(j for part in _LEG for j in _joints("right", part)),
+}
+"""Parts of the body whose distance can be told apart, as places in `COMMON_JOINTS`."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -29,34 +56,79 @@ class Alignment:
     Parameters
     ----------
     distance_m : float
-        Mean joint distance per aligned frame pair, m: the cost of the path divided by its length.
+        Mean joint distance per aligned frame pair, m: the cost of the path divided by its length. In
+        tslearn's definition the root of the path's cost.
     total_m : float
-        Cost of the path: the sum of the mean joint distances of its pairs, m.
-    lag_s : float
-        How late the dancer is, s: the median over the path; negative when early.
+        Cost of the path: the sum of the mean joint distances of its pairs, m; in tslearn's definition the
+        sum of the joints' squared distances, m^2.
     path : ndarray, shape (step, 2)
         Frame of the guide and frame of the dancer, from the first pair to the last.
-    distance_by_frame_m : ndarray, shape (guide frame,), m
-        Mean joint distance of each guide frame to the frames it is paired with.
+    joint_distances_m : ndarray, shape (step, joint), m
+        How far apart each joint is in each pair; NaN where it was not seen in both.
+    weights : ndarray, shape (joint,)
+        How much each joint counts.
+    frame_rate_hz : float
+        Frames a second.
     unseen_frames : int
         Frames of the dancer in which nothing was seen; they were given the pose of the last frame before.
     """
 
     distance_m: float
     total_m: float
-    lag_s: float
     path: Integers
-    distance_by_frame_m: Floats
+    joint_distances_m: Floats
+    weights: Floats
+    frame_rate_hz: float
     unseen_frames: int
+
+    @property
+    def lag_s(self) -> float:
+        """How late the dancer is, s: the median over the path; negative when early."""
+        return float(np.median(self._lags)) / self.frame_rate_hz
+
+    @property
+    def lag_sd_s(self) -> float:
+        """How unsteadily late the dancer is, s: standard deviation of the lag over the path."""
+        return float(np.std(self._lags)) / self.frame_rate_hz
+
+    @property
+    def distance_by_frame_m(self) -> Floats:
+        """Mean joint distance of each guide frame to those it is paired with, shape (guide frame,), m."""
+        return self._by_frame(_weighted_mean(self.joint_distances_m, self.weights))
+
+    @property
+    def _lags(self) -> Integers:
+        return np.asarray(self.path[:, 1] - self.path[:, 0])
+
+    def limb_by_frame_m(self, limb: str) -> Floats:
+        """Give how far one of `LIMBS` is from the guide's over time, shape (guide frame,), m.
+
+        NaN where none of its joints was seen.
+        """
+        joints = list(LIMBS[limb])
+        return self._by_frame(_weighted_mean(self.joint_distances_m[:, joints], self.weights[joints]))
+
+    def limb_m(self, limb: str) -> float:
+        """Give how far one of `LIMBS` is from the guide's per aligned frame pair, m; NaN if never seen."""
+        joints = list(LIMBS[limb])
+        by_pair = _weighted_mean(self.joint_distances_m[:, joints], self.weights[joints])
+        return float(np.nanmean(by_pair)) if np.isfinite(by_pair).any() else np.nan
+
+    def _by_frame(self, by_pair: Floats) -> Floats:
+        seen, frames = np.isfinite(by_pair), int(self.path[-1, 0]) + 1
+        pairs = np.bincount(self.path[seen, 0], minlength=frames)
+        sums = np.bincount(self.path[seen, 0], weights=by_pair[seen], minlength=frames)
+        return np.where(pairs > 0, sums / np.maximum(pairs, 1), np.nan)
 
 
 def align(
     guide: Floats,
     danced: Floats,
-    band_frames: int,
+    band_frames: int | None,
     weights: Sequence[float] | Floats | None = None,
     *,
     frame_rate_hz: float = 30.0,
+    definition: Definition = "mean_joint_distance",
 ) -> Alignment:
     """Pair the frames of dancer and guide so that they are as close as possible, and measure what remains.
 
@@ -64,12 +136,15 @@ def align(
     ----------
     guide, danced : array_like, shape (frame, joint, 3), m
         In one space (`common_space`) and at one frame rate; NaN where a joint was not seen.
-    band_frames : int
-        How many frames the dancer may be early or late, beyond any difference in length.
+    band_frames : int or None
+        How many frames the dancer may be early or late, beyond any difference in length; None for any.
     weights : array_like, shape (joint,), optional
-        How much each joint counts; `COMMON_WEIGHTS` if not given.
+        How much each joint counts; if not given `COMMON_WEIGHTS`, or all the same in tslearn's definition.
     frame_rate_hz : float
         Frames a second, for the lag.
+    definition : {"mean_joint_distance", "tslearn"}
+        What a pair costs and what the distance is: the mean of the joints' distances, and the mean of that
+        over the path; or the sum of their squares, and the root of the sum over the path.
 
     Returns
     -------
@@ -88,27 +163,34 @@ def align(
     weighted mean of the joints' distances over the joints seen in both frames. The band of Sakoe and Chiba is
     -r <= j - i <= r, widened on one side by the difference in length. At equal cost the diagonal step goes
     first. A frame in which nothing was seen keeps the pose of the last frame before it (the first ones that
-    of the next), as a viewer would see it.
+    of the next), as a viewer would see it. With every joint seen, "tslearn" is what `tslearn.metrics.dtw`
+    gives (Tavenard et al. 2020).
     """
+    from studykit.analysis.warping_kernel import warped
+
     guide, _ = _carried_over(np.asarray(guide, dtype=np.float64), "guide")
     danced, unseen = _carried_over(np.asarray(danced, dtype=np.float64), "danced")
-    joints = _weights(weights, guide, danced)
-    if band_frames < 0:
-        raise ValueError("band_frames must not be negative")
-    longer = len(danced) - len(guide)
-    first_shift = min(0, longer) - band_frames
-    shifts = max(0, longer) + band_frames - first_shift + 1
-    costs = _banded_costs(guide, danced, joints, first_shift, shifts)
-    total = _accumulated(costs, first_shift, len(danced))
-    path = _path_back(total, first_shift, len(danced))
-    pair_costs = costs[path[:, 0], path[:, 1] - path[:, 0] - first_shift]
-    by_frame = np.bincount(path[:, 0], weights=pair_costs) / np.bincount(path[:, 0])
+    is_squared = definition == "tslearn"
+    if weights is None:
+        weights = np.ones(guide.shape[1]) if is_squared else COMMON_WEIGHTS
+    joints = _checked(weights, guide, danced)
+    shares = joints if is_squared else joints / joints.sum()
+    factors = (np.sqrt(shares) if is_squared else shares)[:, None]
+    first, beyond = _bounds(len(guide), len(danced), band_frames)
+    turned = np.ascontiguousarray(np.moveaxis(danced * factors, 0, 2))
+    path, total = warped(guide * factors, turned, shares, first, beyond, squared=is_squared)
+    if not np.isfinite(total):
+        raise InputError(
+            "within the band there are frames of guide and dancer without a joint seen in both",
+            remedy="widen the band, or check which joints the camera saw",
+        )
     return Alignment(
-        distance_m=float(pair_costs.mean()),
-        total_m=float(pair_costs.sum()),
-        lag_s=float(np.median(path[:, 1] - path[:, 0])) / frame_rate_hz,
+        distance_m=float(np.sqrt(total)) if is_squared else total / len(path),
+        total_m=total,
         path=path,
-        distance_by_frame_m=by_frame,
+        joint_distances_m=_distances(guide[path[:, 0]], danced[path[:, 1]]),
+        weights=joints,
+        frame_rate_hz=frame_rate_hz,
         unseen_frames=unseen,
     )
 
@@ -127,20 +209,26 @@ def frame_costs(guide: Floats, danced: Floats, weights: Sequence[float] | Floats
     ndarray, shape (...), m
         Infinite where no joint is seen in both.
     """
+    mean = _weighted_mean(_distances(guide, danced), np.asarray(weights, dtype=np.float64))
+    return np.where(np.isnan(mean), np.inf, mean)
+
+
+def _distances(guide: Floats, danced: Floats) -> Floats:
+    """Give how far apart each joint is, shape (..., joint), m."""
     difference = guide - danced
-    distances = np.sqrt(np.einsum("...c,...c->...", difference, difference))
+    return np.asarray(np.sqrt(np.einsum("...c,...c->...", difference, difference)))
+
+
+def _weighted_mean(distances: Floats, weights: Floats) -> Floats:
+    """Give the weighted mean over the joints that were seen, shape (...); NaN where none was."""
+    seen = np.isfinite(distances)
+    total = np.where(seen, distances, 0.0) @ weights
+    seen_weight = seen @ weights
+    return np.where(seen_weight > 0.0, total / np.where(seen_weight > 0.0, seen_weight, 1.0), np.nan)
+
+
+def _checked(weights: Sequence[float] | Floats, guide: Floats, danced: Floats) -> Floats:
     joints = np.asarray(weights, dtype=np.float64)
-    unseen = np.isnan(distances)
-    if not unseen.any():
-        return np.asarray(distances @ joints / joints.sum())
-    distances[unseen] = 0.0
-    seen_weight = np.where(unseen, 0.0, 1.0) @ joints
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(seen_weight > 0.0, distances @ joints / seen_weight, np.inf)
-
-
-def _weights(weights: Sequence[float] | Floats | None, guide: Floats, danced: Floats) -> Floats:
-    joints = np.asarray(COMMON_WEIGHTS if weights is None else weights, dtype=np.float64)
     wanted = (len(joints), 3)
     if guide.shape[1:] != wanted or danced.shape[1:] != wanted:
         raise ValueError(
@@ -151,81 +239,28 @@ def _weights(weights: Sequence[float] | Floats | None, guide: Floats, danced: Fl
     return joints
 
 
+def _bounds(guide_frames: int, danced_frames: int, band_frames: int | None) -> tuple[Integers, Integers]:
+    """Give each guide frame's first frame of the dancer within the band, and the one after the last."""
+    if band_frames is None:
+        band_frames = max(guide_frames, danced_frames)
+    if band_frames < 0:
+        raise ValueError("band_frames must not be negative")
+    longer, frames = danced_frames - guide_frames, np.arange(guide_frames)
+    first = np.maximum(0, frames + min(0, longer) - band_frames)
+    return first, np.minimum(danced_frames, frames + max(0, longer) + band_frames + 1)
+
+
 def _carried_over(positions: Floats, name: str) -> tuple[Floats, int]:
     """Give frames in which nothing was seen the pose of a neighbour, and count them."""
     if positions.ndim != 3:
         raise ValueError(f"{name} has the shape {positions.shape}, expected (frame, joint, 3)")
-    seen = np.asarray(np.isfinite(positions).all(axis=-1).any(axis=-1))
+    finite = np.isfinite(positions)
+    if finite.all():
+        return positions, 0
+    seen = np.asarray(finite.all(axis=-1).any(axis=-1))
     if not seen.any():
         raise InputError(
             "no joint is seen in any frame", where=name, remedy="check that the camera saw the dancer"
         )
-    if seen.all():
-        return positions, 0
     latest = np.maximum.accumulate(np.where(seen, np.arange(len(seen)), -1))
     return positions[np.where(latest < 0, np.argmax(seen), latest)], int(np.sum(~seen))
-
-
-def _banded_costs(guide: Floats, danced: Floats, weights: Floats, first_shift: int, shifts: int) -> Floats:
-    """Give c(i, i + shift) for every shift in the band, shape (guide frame, shift); infinite outside."""
-    costs = np.full((len(guide), shifts), np.inf)
-    for column in range(shifts):
-        shift = first_shift + column
-        start, stop = max(0, -shift), min(len(guide), len(danced) - shift)
-        if start < stop:
-            costs[start:stop, column] = frame_costs(
-                guide[start:stop], danced[start + shift : stop + shift], weights
-            )
-    return costs
-
-
-def _accumulated(costs: Floats, first_shift: int, danced_frames: int) -> Floats:
-    """Give D(i, i + shift) with a border of infinity: a row above and a column on either side.
-
-    All cells of one anti-diagonal i + j are worked out at once. In memory the cell (i, shift) is followed,
-    one guide frame later on the same anti-diagonal, by (i + 1, shift - 2): a constant stride.
-    """
-    frames, shifts = costs.shape
-    width = shifts + 2
-    total = np.full((frames + 1, width), np.inf)
-    padded = np.full((frames + 1, width), np.inf)
-    padded[1:, 1:-1] = costs
-    total[0, 1 - first_shift] = 0.0  # the pair before the first, from which the path starts
-    cells, local = total.ravel(), padded.ravel()
-    for diagonal in range(frames + danced_frames - 1):
-        # i + j = diagonal and 0 <= j - i - first_shift < shifts
-        low = max(0, -((first_shift + shifts - 1 - diagonal) // 2))
-        high = min(frames - 1, (diagonal - first_shift) // 2)
-        if low > high:
-            continue
-        start = (low + 1) * width + 1 + diagonal - 2 * low - first_shift
-        stop, stride = start + (high - low) * (width - 2) + 1, width - 2
-        best = np.minimum(cells[start - width : stop - width : stride], cells[start - 1 : stop - 1 : stride])
-        np.minimum(best, cells[start - width + 1 : stop - width + 1 : stride], out=best)
-        np.add(best, local[start:stop:stride], out=cells[start:stop:stride])
-    if not np.isfinite(total[frames, 1 + danced_frames - frames - first_shift]):
-        raise InputError(
-            "within the band there are frames of guide and dancer without a joint seen in both",
-            remedy="widen the band, or check which joints the camera saw",
-        )
-    return total
-
-
-def _path_back(total: Floats, first_shift: int, danced_frames: int) -> Integers:
-    """Follow the cheapest way back from the last pair, shape (step, 2)."""
-    rows = total.tolist()
-    guide_frame, danced_frame = len(rows) - 2, danced_frames - 1
-    path = [(guide_frame, danced_frame)]
-    while guide_frame or danced_frame:
-        column = 1 + danced_frame - guide_frame - first_shift
-        both, guide_only = rows[guide_frame][column], rows[guide_frame][column + 1]
-        danced_only = rows[guide_frame + 1][column - 1]
-        cheapest = min(both, guide_only, danced_only)
-        if both == cheapest:
-            guide_frame, danced_frame = guide_frame - 1, danced_frame - 1
-        elif guide_only == cheapest:
-            guide_frame -= 1
-        else:
-            danced_frame -= 1
-        path.append((guide_frame, danced_frame))
-    return np.array(path[::-1], dtype=np.int64)

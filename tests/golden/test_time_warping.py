@@ -23,3 +23,24 @@ def test_path_and_cost_equal_tslearns() -> None:
         assert found.total_m == pytest.approx(total, rel=1e-9)
         assert found.path.tolist() == [list(step) for step in path]
         assert found.distance_m == pytest.approx(total / len(path), rel=1e-9)
+
+
+@pytest.mark.parametrize("radius", [None, 0, 3, 25])
+@pytest.mark.parametrize(("guide_frames", "danced_frames"), [(60, 60), (60, 47), (47, 60)])
+def test_tslearns_own_distance_can_be_chosen(
+    radius: int | None, guide_frames: int, danced_frames: int
+) -> None:
+    metrics = pytest.importorskip("tslearn.metrics")
+    rng = np.random.default_rng(1)
+    guide, danced = (
+        np.cumsum(rng.normal(size=(frames, 24, 3)), axis=0) for frames in (guide_frames, danced_frames)
+    )
+    constraint = {} if radius is None else {"global_constraint": "sakoe_chiba", "sakoe_chiba_radius": radius}
+    path, distance = metrics.dtw_path(
+        guide.reshape(guide_frames, -1), danced.reshape(danced_frames, -1), **constraint
+    )
+    found = align(guide, danced, radius, definition="tslearn")
+    assert found.distance_m == pytest.approx(distance, rel=1e-9)
+    assert found.path.tolist() == [list(step) for step in path]
+    # The mean of distances along the same path is another number altogether.
+    assert align(guide, danced, radius, np.ones(24)).distance_m != pytest.approx(distance, rel=0.1)

@@ -3,7 +3,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studykit.analysis.dynamic_time_warping import COMMON_JOINTS, COMMON_WEIGHTS, align, frame_costs
+from studykit.analysis.dynamic_time_warping import (
+    COMMON_JOINTS,
+    COMMON_WEIGHTS,
+    LIMBS,
+    align,
+    frame_costs,
+)
 from studykit.core.errors import InputError
 
 
@@ -80,6 +86,53 @@ def test_poses_without_a_common_joint_are_an_error() -> None:
     guide[2, :8], danced[1:4, 8:] = np.nan, np.nan
     with pytest.raises(InputError, match="without a joint seen in both"):
         align(guide, danced, 1)
+
+
+def test_a_limb_that_is_wrong_is_told_from_the_others_over_time() -> None:
+    guide = swinging(40)
+    danced = guide.copy()
+    danced[20:, COMMON_JOINTS.index("left_wrist")] += [0.0, 0.3, 0.4]
+    result = align(guide, danced, 0)
+    # Shoulder, elbow and wrist weigh 1, 1 and 1.5; the wrist is 0.5 m away during half the time.
+    assert result.limb_m("left_arm") == pytest.approx(0.5 * 0.5 * 1.5 / 3.5)
+    assert result.limb_m("arms") == pytest.approx(0.5 * 0.5 * 1.5 / 7.0)
+    assert result.limb_by_frame_m("left_arm")[[19, 20]] == pytest.approx([0.0, 0.5 * 1.5 / 3.5])
+    assert {limb for limb in LIMBS if result.limb_m(limb) > 0.0} == {"arms", "left", "left_arm"}
+
+
+def test_every_joint_belongs_to_one_limb_and_sides_are_mirrored() -> None:
+    assert sorted(LIMBS["arms"] + LIMBS["legs"] + LIMBS["trunk"]) == list(range(15))
+    assert sorted(LIMBS["left_arm"] + LIMBS["left_leg"]) == sorted(LIMBS["left"])
+    for left, right in zip(LIMBS["left"], LIMBS["right"], strict=True):
+        assert COMMON_JOINTS[left].replace("left", "right") == COMMON_JOINTS[right]
+
+
+def test_a_limb_never_seen_has_no_distance_and_the_others_keep_theirs() -> None:
+    guide, danced = swinging(30), swinging(30, delay=3.0) + 0.01
+    hidden = danced.copy()
+    hidden[:, LIMBS["right_arm"]] = np.nan
+    result = align(guide, hidden, 10)
+    assert np.isnan(result.limb_m("right_arm"))
+    assert np.isnan(result.limb_by_frame_m("right_arm")).all()
+    assert result.limb_m("legs") > 0.0
+    assert np.isfinite(result.distance_by_frame_m).all()
+
+
+def test_a_dancer_who_drifts_is_unsteadily_late() -> None:
+    guide = swinging(300)
+    steady, drifting = swinging(300, delay=6.0), swinging(300, delay=6.0)
+    drifting[150:] = swinging(300, delay=10.0)[150:]
+    assert align(guide, drifting, 30).lag_sd_s > 2.0 * align(guide, steady, 30).lag_sd_s > 0.0
+
+
+def test_a_joint_that_was_not_seen_is_made_up_for_in_both_definitions() -> None:
+    guide = swinging(20)
+    danced = guide + np.array([0.03, 0.0, 0.04])
+    whole, partial = danced.copy(), danced.copy()
+    partial[3:9, [0, 4]] = np.nan
+    for definition in ("mean_joint_distance", "tslearn"):
+        of_all = align(guide, whole, 0, definition=definition)  # type: ignore[arg-type]
+        assert align(guide, partial, 0, definition=definition).distance_m == pytest.approx(of_all.distance_m)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
