@@ -156,8 +156,8 @@ def centred_ranks(table: Floats) -> Integers:
         raise ValueError("the table must be finite")
     if np.all(values == values[:, :1]):
         raise ValueError("every person has the same value in all conditions")
-    doubled: Integers = np.rint(2.0 * rankdata(values, axis=1)).astype(np.int64)
-    return doubled - (values.shape[1] + 1)
+    doubled = np.rint(2.0 * rankdata(values, axis=1)) - (values.shape[1] + 1)
+    return np.asarray(doubled, dtype=np.int64)
 
 
 def chi_squared_of_ranks(ranks: Integers) -> tuple[float, float]:
@@ -241,7 +241,8 @@ def _distribution(kinds: tuple[tuple[tuple[int, ...], int], ...]) -> tuple[Integ
                 return None
             reached = np.sort((sums[:, None] + orders).reshape(-1, conditions), axis=1)
             _, first, which = np.unique(reached @ place, return_index=True, return_inverse=True)
-            sums, chances = reached[first], np.bincount(which, np.repeat(chances / ways, ways))
+            sums = reached[first]
+            chances = np.asarray(np.bincount(which, np.repeat(chances / ways, ways)), dtype=np.float64)
     return np.sum(sums**2, axis=1), chances
 
 

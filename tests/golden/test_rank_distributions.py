@@ -11,6 +11,7 @@ import pytest
 from scipy.stats import friedmanchisquare
 
 from studykit.analysis.friedman import friedman
+from studykit.analysis.skillings_mack import skillings_mack
 from studykit.analysis.wilcoxon import hodges_lehmann, wilcoxon
 
 R = json.loads((Path(__file__).parent / "rank_distributions.json").read_text())
@@ -71,3 +72,17 @@ def test_friedmans_test_equals_r_in_all_forms(case: dict[str, Any]) -> None:
     if case["exact_p"]:
         assert result.permutation_p == exactly(case["exact_p"])
         assert result.permutation_p_interval is None
+
+
+@cases("skillings_mack")
+def test_skillings_and_macks_test_equals_the_paper_written_out_in_r(case: dict[str, Any]) -> None:
+    result = skillings_mack(np.array(case["table"], dtype=float), rng=np.random.default_rng(1), draws=99)
+    assert (result.statistic, result.p) == statistic((case["statistic"], case["p"]))
+    assert result.degrees_of_freedom == case["df"]
+
+
+def test_the_published_assembly_times() -> None:
+    # Skillings & Mack 1981: SM = 15.493 with 3 degrees of freedom.
+    table = np.array(R["skillings_mack"]["assembly_times"]["table"], dtype=float)
+    result = skillings_mack(table, rng=np.random.default_rng(1), draws=99)
+    assert (round(result.statistic, 3), result.degrees_of_freedom) == (15.493, 3)

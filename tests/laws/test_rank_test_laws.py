@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import permutations, product
+from itertools import combinations, permutations, product
 
 import numpy as np
 import pytest
@@ -12,7 +12,8 @@ from hypothesis.extra import numpy as nps
 from scipy.stats import rankdata
 
 from studykit.analysis.friedman import friedman, kendalls_w_interval
-from studykit.analysis.multiplicity import bonferroni, holm
+from studykit.analysis.multiplicity import bonferroni, closed_friedman, holm
+from studykit.analysis.skillings_mack import skillings_mack
 from studykit.analysis.wilcoxon import hodges_lehmann, wilcoxon
 
 # Few different values, so that ties and zeros are common.
@@ -176,3 +177,51 @@ def test_holm_lies_between_no_correction_and_bonferronis(p: list[float]) -> None
     assert np.all(corrected >= np.array(p) - 1e-15)
     assert np.all(corrected <= bonferroni(p) + 1e-15)
     assert np.all(np.diff(corrected[np.argsort(p, kind="stable")]) >= -1e-15)
+
+
+@settings(max_examples=50, deadline=None)
+@given(tables)
+def test_closed_testing_never_gives_less_than_the_pairs_own_p_or_friedmans(table: np.ndarray) -> None:
+    assume(not np.all(table == table[:, :1]))
+    pairs = list(combinations(range(table.shape[1]), 2))
+    adjusted = closed_friedman(table, pairs)
+    own = np.array([wilcoxon(table[:, a], table[:, b]).p for a, b in pairs])
+    assert np.all(adjusted >= own)
+    assert np.all(adjusted >= friedman(table, rng=np.random.default_rng(1)).p)
+    assert np.all(adjusted <= 1.0)
+
+
+@settings(max_examples=50, deadline=None)
+@given(tables, st.integers(0, 99))
+def test_closed_testing_does_not_mind_the_order_of_the_conditions(table: np.ndarray, seed: int) -> None:
+    pairs = list(combinations(range(table.shape[1]), 2))
+    order = np.random.default_rng(seed).permutation(table.shape[1])
+    moved = closed_friedman(table[:, order], pairs)
+    back = closed_friedman(table, [(int(order[a]), int(order[b])) for a, b in pairs])
+    assert moved == pytest.approx(back, rel=1e-9)
+
+
+@settings(deadline=None)
+@given(tables)
+def test_skillings_and_macks_test_is_friedmans_where_nothing_is_missing(table: np.ndarray) -> None:
+    assume(not np.all(table == table[:, :1]))
+    complete = friedman(table, rng=np.random.default_rng(1), draws=9)
+    found = skillings_mack(table, rng=np.random.default_rng(1), draws=9)
+    assert found.statistic == pytest.approx(complete.chi_squared, rel=1e-9, abs=1e-9)
+    assert (found.degrees_of_freedom, found.cells_missing) == (complete.degrees_of_freedom, 0)
+    assert found.p == pytest.approx(complete.p, rel=1e-9)
+
+
+@settings(deadline=None)
+@given(tables, st.integers(0, 99))
+def test_skillings_and_macks_test_sees_ranks_only(table: np.ndarray, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    table = np.where(rng.random(table.shape) < 0.2, np.nan, table)
+    enough = table[np.count_nonzero(~np.isnan(table), axis=1) >= 2]
+    assume(len(enough) >= 2 and not np.isnan(enough).all(axis=0).any())
+    assume(np.any(np.nanmax(enough, axis=1) > np.nanmin(enough, axis=1)))
+    first = skillings_mack(table, rng=np.random.default_rng(1), draws=9)
+    people, conditions = rng.permutation(len(table)), rng.permutation(table.shape[1])
+    other = skillings_mack(np.exp(table)[people][:, conditions], rng=np.random.default_rng(1), draws=9)
+    assert other.statistic == pytest.approx(first.statistic, rel=1e-8, abs=1e-9)
+    assert (other.n, other.cells_missing) == (first.n, first.cells_missing)
