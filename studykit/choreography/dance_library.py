@@ -234,6 +234,12 @@ class DanceLibrary:
         limits[is_moved] = np.nanpercentile(peaks[:, is_moved], percentile, axis=0)
         return limits
 
+    def share_below(self, joint: str, speed_rad_s: float) -> float:
+        """Give the share (0 to 1) of the segments in which a joint keeps a limit: see `speed_limits`."""
+        peaks = self.peak_speeds[:, NEUTRAL_BODY.index(joint)]
+        moved = peaks[peaks > _STILL_RAD_S]
+        return float((moved <= speed_rad_s).mean()) if len(moved) else 1.0
+
     def find(
         self,
         *,

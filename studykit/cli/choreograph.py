@@ -150,7 +150,7 @@ def choreograph(
     made = _danced(wanted, opened, out, seed=seed, stage_m=stage_m, is_study=protocol is not None)
     if made:
         write_dances(made, out, with_joint_tables=joints)
-        page = write_dance_page(made, out / "dances.html", library_name=opened.name)
+        page = write_dance_page(made, out / "dances.html", library=opened)
     if json:
         show.as_json({name: made[name].to_dict() | {"trace": []} for name in made})
     elif made:

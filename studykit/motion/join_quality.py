@@ -30,7 +30,7 @@ class JoinQuality(NamedTuple):
         See `join_accelerations`.
     sliding : float
         Mean speed over the floor of balls of the feet that are low, in the whole dance, as a multiple of the
-        same in the segments; NaN where none are low.
+        same in the segments; NaN where none are low or, in the segments, none moves.
     join_sliding : float
         The same about the joins alone, ten frames on each side.
     linear_energy, rotational_energy : float
@@ -62,10 +62,10 @@ def join_quality(segments: Sequence[Motion], motion: Motion) -> JoinQuality:
     before, after = np.sum([_energies(s) for s in segments], axis=0), _energies(motion)
     return JoinQuality(
         accelerations=join_accelerations(motion, joins),
-        sliding=_mean(slides) / own,
-        join_sliding=_mean(slides[near]) / own,
-        linear_energy=float(after[0] / before[0]),
-        rotational_energy=float(after[1] / before[1]),
+        sliding=_multiple(_mean(slides), own),
+        join_sliding=_multiple(_mean(slides[near]), own),
+        linear_energy=_multiple(after[0], before[0]),
+        rotational_energy=_multiple(after[1], before[1]),
     )
 
 
@@ -89,9 +89,26 @@ def join_accelerations(motion: Motion, joins: Sequence[int]) -> Floats:
 def usual_acceleration(segments: Sequence[Motion]) -> float:
     """Give what joints of these dancers stay below in 99.9 % of all cases, m/s^2.
 
-    About 7 % of all stretches of twelve frames go beyond it somewhere.
+    About 7 % of all stretches of twelve frames go beyond it somewhere: see `jolting_share`.
     """
     return float(np.percentile(np.concatenate([_accelerations(s) for s in segments]), _USUAL_PERCENTILE))
+
+
+def jolting_share(segments: Sequence[Motion], acceleration: float) -> float:
+    """Give how often dancers themselves jolt harder: the share of all stretches as long as a join.
+
+    Parameters
+    ----------
+    segments : sequence of Motion
+        As danced, each at least twelve frames long.
+    acceleration : float, m/s^2
+        Such as `usual_acceleration`.
+    """
+    stretches = [
+        np.lib.stride_tricks.sliding_window_view(_accelerations(s).max(axis=1), 2 * HALF_WINDOW + 2)
+        for s in segments
+    ]
+    return float((np.concatenate(stretches).max(axis=1) > acceleration).mean())
 
 
 def _joins(segments: Sequence[Motion]) -> list[int]:
@@ -114,6 +131,10 @@ def _slides(motion: Motion) -> Floats:
 def _mean(slides: Floats) -> float:
     seen = slides[~np.isnan(slides)]
     return float(seen.mean()) if len(seen) else float("nan")
+
+
+def _multiple(value: float, of: float) -> float:
+    return float(value / of) if of else float("nan")
 
 
 def _energies(motion: Motion) -> Floats:

@@ -17,6 +17,7 @@ from studykit.reports.numbers import number, percent
 
 if TYPE_CHECKING:
     from studykit.choreography.dance import Animation, Dance, DanceMeasures, DanceSegment
+    from studykit.reports.beside_library import BesideLibrary
 
 _AS_ASKED = 5e-4  # is 0.0 % in print
 _TERMS = {"linear_energy": "linear", "rotational_energy": "rotational", "variety": "variety"}
@@ -88,10 +89,12 @@ def readings(
     return found
 
 
-def facts(dance: Dance, body_mass_kg: float) -> dict[str, Any]:
-    """Give all that the page says of one dance, as plain values."""
+def facts(dance: Dance, body_mass_kg: float, beside: BesideLibrary | None = None) -> dict[str, Any]:
+    """Give all that the page says of one dance, as plain values; some only beside its library."""
     whole = readings(dance, (dance.asked, dance.achieved, dance.achieved_blended), body_mass_kg)
-    spared = spared_joints(dance)
+    spared = spared_joints(dance, beside)
+    blocks = _blocks(dance, body_mass_kg)
+    joins = None if beside is None else beside.joins(dance)
     return {
         "title": style.title(dance),
         "condition": dance.condition,
@@ -99,15 +102,17 @@ def facts(dance: Dance, body_mass_kg: float) -> dict[str, Any]:
         "is_interrupted": dance.is_interrupted,
         "note": dance.note,
         "asked": _asked(dance, whole, body_mass_kg),
-        "came": [_came(whole), *_joined(dance), *_kept(spared), *_space(dance)],
+        "came": [_came(whole, blocks), *_joined(dance, joins), *_kept(spared), *_space(dance)],
         "asked_s": dance.asked.duration_s,
         "shown_s": dance.achieved_blended.duration_s,
         "readings": whole,
         "jumps_mm": [1000.0 * jump for jump in dance.displacements_m],
         "is_smooth": _is_smooth(dance),
         "spared": spared,
+        "has_library": beside is not None,
         "has_angles": any(joint["angle_limit"] is not None for joint in spared),
-        "blocks": _blocks(dance, body_mass_kg),
+        "blocks": blocks,
+        "joins": joins,
         "segments": segments(dance),
         "distinct": dance.distinct_segments,
         "search": _search(dance),
@@ -124,14 +129,15 @@ def facts(dance: Dance, body_mass_kg: float) -> dict[str, Any]:
     }
 
 
-def spared_joints(dance: Dance) -> list[dict[str, Any]]:
+def spared_joints(dance: Dance, beside: BesideLibrary | None = None) -> list[dict[str, Any]]:
     """Tell of each spared joint what it may do and what it does at most in the movement as shown.
 
     Returns
     -------
     list of dict
         `name`, `weight` (a_j of Eq. 11), `peak` and `limit` (rad/s), `angle` and `angle_limit` (rad, from the
-        rest pose), `used` (the larger share of a limit, None where there is none), `energy_share`.
+        rest pose), `used` (the larger share of a limit, None where there is none), `energy_share`, `below`
+        (share of the library's segments that keep the speed limit, None where one of the two is not there).
     """
     if dance.mask is None:
         return []
@@ -153,6 +159,7 @@ def spared_joints(dance: Dance) -> list[dict[str, Any]]:
                 "angle": angle,
                 "angle_limit": angle_limit,
                 "used": max(used, default=None),
+                "below": None if beside is None or limit is None else beside.library.share_below(name, limit),
                 "energy_share": float(told[name]["energy"] or 0.0) / whole if whole else 0.0,
             }
         )
@@ -209,30 +216,46 @@ def _asked(dance: Dance, whole: list[Reading], body_mass_kg: float) -> str:
     length = f"a dance of {dance.asked.duration_s:g} s"
     if len(dance.blocks) > 1:
         length += f" in {len(dance.blocks)} blocks"
-    wishes.append("joins as smooth as they come" if _is_smooth(dance) else "joins however they come")
+    if dance.displacements_m:
+        wishes.append("joins as smooth as they come" if _is_smooth(dance) else "joins however they come")
     if dance.mask is not None:
         wishes.append(f"sparing the {' and the '.join(topmost(dance.mask.spared))}, with all beyond")
     return f"{length}: {'; '.join(wishes)}. Energies are for a body of {body_mass_kg:g} kg."
 
 
-def _came(whole: list[Reading]) -> str:
+def _came(whole: list[Reading], blocks: list[dict[str, Any]]) -> str:
+    """Say how close all of it is: a dance of blocks only where each of them is."""
     aimed = [reading for reading in whole if reading.asked is not None]
     if not aimed:
         return "No energy and no variety was asked for."
-    words = ", ".join(f"{reading.name} {reading.verdict}" for reading in aimed)
+    words = f"over the whole dance: {_verdicts(aimed)}" if blocks else _verdicts(aimed)
+    off = [
+        f"block {place} ({block['start_s']:g}–{block['stop_s']:g} s): {_verdicts(far)}"
+        for place, block in enumerate(blocks, start=1)
+        if (far := [reading for reading in block["readings"] if not reading.is_close])
+    ]
+    if off:
+        return f"Not every block is within 5 % of what was asked: {'; '.join(off)}; {words}."
+    if blocks:
+        return f"Every block is within 5 % of what was asked; {words}."
     if all(reading.is_close for reading in aimed):
         return f"All of it is within 5 % of what was asked: {words}."
     return f"Not all of it is within 5 % of what was asked: {words}."
 
 
-def _joined(dance: Dance) -> list[str]:
+def _verdicts(readings: list[Reading]) -> str:
+    return ", ".join(f"{reading.name} {reading.verdict}" for reading in readings)
+
+
+def _joined(dance: Dance, joins: dict[str, Any] | None) -> list[str]:
     if not dance.displacements_m:
         return []
     mean, most = 1000.0 * np.mean(dance.displacements_m), 1000.0 * max(dance.displacements_m)
     count = len(dance.displacements_m)
     where = "At the one join" if count == 1 else f"At its {count} joins"
     spread = "" if count == 1 else f" on average and {most:.0f} mm at most"
-    return [f"{where}, the poses that meet are {mean:.0f} mm apart{spread}, before they are blended."]
+    apart = f"{where}, the poses that meet are {mean:.0f} mm apart{spread}, before they are blended."
+    return [apart] if joins is None else [apart, joins["words"]]
 
 
 def _kept(spared: list[dict[str, Any]]) -> list[str]:

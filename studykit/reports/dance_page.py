@@ -16,11 +16,13 @@ from studykit.core.errors import InputError
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
 from studykit.motion.kinematics import joint_positions
 from studykit.reports.analyse import write
+from studykit.reports.beside_library import BesideLibrary
 from studykit.reports.dance_facts import facts
 from studykit.reports.page import Picture, filled, picture
 
 if TYPE_CHECKING:
     from studykit.choreography.dance import Dance
+    from studykit.choreography.dance_library import DanceLibrary
     from studykit.figures.canvas import PaperFigure
 
 _FILES = {
@@ -36,7 +38,7 @@ def write_dance_page(
     dances: Mapping[str, Dance],
     path: str | Path,
     *,
-    library_name: str = "",
+    library: DanceLibrary | None = None,
     notes: Sequence[str] = (),
     body_mass_kg: float = DEFAULT_BODY_MASS_KG,
 ) -> Path:
@@ -48,8 +50,8 @@ def write_dance_page(
         By the name of their files. Of several, one is shown at a time.
     path : path
         The page, such as dances/dances.html. It links to the files of the dances that lie beside it.
-    library_name : str
-        Where the segments come from.
+    library : DanceLibrary, optional
+        What the dances were made of: joins and limits are set beside what its dancers do themselves.
     notes : sequence of str
         What else is to be said at the top, such as arms put in from other segments.
     body_mass_kg : float
@@ -63,17 +65,21 @@ def write_dance_page(
     Raises
     ------
     InputError
-        If there is no dance, or the page cannot be written.
+        If there is no dance, one was made of another library, or the page cannot be written.
     """
     path = Path(path)
     if not dances:
         raise InputError("there is no dance to show", where=path, remedy="choreograph one first")
-    shown = [_shown(name, dance, path.parent, body_mass_kg) for name, dance in dances.items()]
+    beside = None if library is None else _beside(library, dances)
+    shown = [
+        facts(dance, body_mass_kg, beside) | _drawn(name, dance, path.parent, body_mass_kg)
+        for name, dance in dances.items()
+    ]
     page = filled(
         "dance.html.jinja",
         dances=shown,
         overview=_overview(list(dances.values()), body_mass_kg) if len(dances) > 1 else None,
-        library_name=library_name,
+        library_name="" if library is None else library.name,
         notes=notes,
         body_mass_kg=body_mass_kg,
         played=_played(dances, shown),
@@ -83,9 +89,20 @@ def write_dance_page(
     return path
 
 
-def _shown(name: str, dance: Dance, folder: Path, body_mass_kg: float) -> dict[str, Any]:
-    """Give all that the page shows of one dance."""
-    return facts(dance, body_mass_kg) | {
+def _beside(library: DanceLibrary, dances: Mapping[str, Dance]) -> BesideLibrary:
+    for name, dance in dances.items():
+        if dance.library_sha256 != library.sha256:
+            raise InputError(
+                f"it was not made of the library {library.name}",
+                where=name,
+                remedy="give its own library, or none",
+            )
+    return BesideLibrary.measured(library)
+
+
+def _drawn(name: str, dance: Dance, folder: Path, body_mass_kg: float) -> dict[str, Any]:
+    """Give the name of a dance, its figures and its files."""
+    return {
         "name": name,
         "pictures": _pictures(dance, body_mass_kg),
         "trace": picture(
@@ -102,7 +119,9 @@ def _pictures(dance: Dance, body_mass_kg: float) -> list[Picture]:
     drawings: dict[str, tuple[Callable[[], PaperFigure], str]] = {
         "Poses": (
             lambda: figures.film_strip(dance),
-            (
+            "The middle of the segment."
+            if len(dance.segments) == 1
+            else (
                 "Above: the middle of each segment; the same letter is the same movement, a prime its mirror "
                 "image. Below: the poses on both sides of each join, and how far apart they are unblended."
             ),

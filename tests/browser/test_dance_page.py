@@ -34,7 +34,7 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     spared = replace(free, segments=takes, mask=spare("right_elbow", speed_limits_rad_s=6.0))
     dances = {"free": free, "spared": spared}
     write_dances(dances, folder)
-    return write_dance_page(dances, folder / "dances.html", library_name=HOSTILE)
+    return write_dance_page(dances, folder / "dances.html", library=replace(library, name=HOSTILE))
 
 
 @pytest.fixture
@@ -119,6 +119,7 @@ def test_space_plays_before_anything_was_clicked_and_neither_scrolls_nor_takes_k
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page()
+
     def is_playing() -> bool:
         return bool(page.get_by_role("button", name="Pause").count())
 

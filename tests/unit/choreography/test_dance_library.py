@@ -13,6 +13,7 @@ from studykit.choreography.dance_library import SegmentDistances, mean_of_pairs
 from studykit.choreography.reduction import reduced
 from studykit.core.errors import InputError
 from studykit.core.seeding import stream
+from studykit.motion.skeleton import NEUTRAL_BODY
 
 
 @pytest.fixture(scope="module")
@@ -158,3 +159,6 @@ def test_speed_limits_are_what_joints_do_in_segments_that_move_them(library) -> 
     assert library.speed_limits(25.0)[0] == 2.25
     assert library.speed_limits()[5] == np.inf
     assert library.speed_limits()[6] == 4.0
+    moved = NEUTRAL_BODY.joint_names[6]
+    assert [library.share_below(moved, speed) for speed in (1.9, 2.0, 4.0, 9.0)] == [0.0, 1 / 3, 2 / 3, 1.0]
+    assert library.share_below(NEUTRAL_BODY.joint_names[5], 0.5) == 1.0

@@ -50,6 +50,14 @@ def test_usual_is_what_one_in_a_thousand_exceeds() -> None:
     assert np.mean(np.concatenate(joints) > usual) == pytest.approx(1e-3, rel=0.05)
 
 
+def test_dancers_themselves_jolt_in_every_stretch_that_holds_the_jolt() -> None:
+    # Bent in one frame, the elbow is accelerated in three; 12 + 2 of 67 stretches hold one of them.
+    frames = 2 * FRAMES - 2 - 12 + 1
+    found = join_quality.jolting_share([jerked(FRAMES, 0.2), still(), still()], 1.0)
+    assert found == pytest.approx((12 + 2) / (frames + 2 * (FRAMES - 2 - 12 + 1)))
+    assert join_quality.jolting_share([jerked(FRAMES, 0.2)], 1e3) == 0.0
+
+
 def test_sliding_is_against_that_of_the_segments() -> None:
     segments = [still(slide_m_s=0.1, wave=0.3), still(slide_m_s=0.1, wave=0.3)]
     roots = np.concatenate([segments[0].root_positions] * 2)

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from studykit.choreography.dance import Animation, Dance, DanceBlock, DanceMeasures, DanceSegment
+from studykit.choreography.dance_library import DanceLibrary
 from studykit.choreography.rjmcmc.trace import TraceRow
 from studykit.core.errors import InputError
 from studykit.figures import film
@@ -24,6 +25,7 @@ from studykit.motion.joint_mask import spare
 from studykit.motion.motion import Motion
 from studykit.motion.skeleton import NEUTRAL_BODY
 from studykit.reports import dance_page
+from studykit.reports.beside_library import BesideLibrary
 from studykit.reports.dance_facts import Reading, beyond_stage_m, facts, segments, spared_joints
 from studykit.reports.dance_page import write_dance_page
 from studykit.reports.page import Picture
@@ -90,6 +92,12 @@ def made() -> Dance:
         is_synthetic=True,
         animation=Animation(blend="offset", is_cleaned=True, stage_m=(3.0, 2.5)),
     )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def library(made_library: Callable[..., DanceLibrary]) -> DanceLibrary:
+    """Make up the library that the dance says it is made of."""
+    return replace(made_library(8), sha256="1" * 64)
 
 
 @pytest.fixture(scope="module")
@@ -167,6 +175,100 @@ def test_a_reading_is_judged_by_the_movement_as_shown(shown, verdict, is_close) 
     assert Reading(name="energy", unit="J", asked=None, achieved=1.0, shown=1.0).verdict == "not asked for"
 
 
+def blocks_of(made: Dance, *shown: DanceMeasures) -> Dance:
+    """Give a dance whose blocks, 6 s each, came out so; as a whole it is as asked."""
+    near = measures(2.0, 1.0, 80.0)
+    return replace(
+        made,
+        achieved_blended=near,
+        blocks=tuple(
+            DanceBlock(asked=replace(near, duration_s=6.0), achieved=near, achieved_blended=one)
+            for one in shown
+        ),
+    )
+
+
+def test_of_a_dance_of_blocks_every_block_must_be_as_asked(made: Dance, page: Callable[..., str]) -> None:
+    good, off = measures(2.06, 0.97, 80.0), measures(1.96, 1.06, 90.0)
+    read = words(page(blocks_of(made, good, good)))
+    assert (
+        "Found: Every block is within 5 % of what was asked; over the whole dance: linear energy as" in read
+    )
+    text = page(blocks_of(made, good, off))
+    read = words(text)
+    assert (
+        "Found: Not every block is within 5 % of what was asked: block 2 (6–12 s): "
+        "rotational energy 6.0 % above, variety 12.5 % above; over the whole dance: linear energy as asked"
+    ) in read
+    assert "All of it is within" not in read
+    assert text.count('<td class="far">') == 2
+
+
+@pytest.mark.parametrize(
+    ("condition", "title"),
+    [("hiit-on", "HIIT"), ("warm-up-on", "Warm-up"), ("waves-off", "Waves"), ("60-0.7-on", "60 – 0.7")],
+)
+def test_schedules_have_the_names_that_people_give_them(made: Dance, condition: str, title: str) -> None:
+    transition = condition.rpartition("-")[2]
+    named = facts(replace(made, condition=condition, mask=None), KG)["title"]
+    assert named == f"{title}, transition {transition}"
+
+
+def test_limits_come_from_the_library_and_the_page_is_no_medical_advice(
+    made: Dance, page: Callable[..., str], library: DanceLibrary
+) -> None:
+    peaks = np.tile(np.arange(1.0, 9.0)[:, None] / 2.0, (1, 24))  # 0.5 to 4.0 rad/s; the limit is 1.5
+    read = words(page(made, library=replace(library, peak_speeds=peaks)))
+    assert "1.50 rad/s (86°/s) 38 %" in read  # 3 of 8
+    assert (
+        "a speed limit is a percentile of how fast the segments of the library turn the joint at most" in read
+    )
+    assert "It measures the dance and is no medical advice." in read
+    assert "Segments that keep it" not in words(page(made))
+
+
+def test_the_joins_stand_beside_what_the_dancers_do_themselves(
+    made: Dance, page: Callable[..., str], library: DanceLibrary
+) -> None:
+    usual = BesideLibrary(library=library, acceleration=1e-3, jolting=0.07)
+    hard = usual.joins(made)
+    assert hard is not None
+    assert (hard["beyond"], hard["count"], hard["share"], hard["usual_share"]) == (2, 2, 1.0, 0.07)
+    assert hard["words"].startswith(
+        "As shown, 2 of 2 joins jolt harder than dancers do in all but a thousandth"
+    )
+    calm = replace(usual, acceleration=1e6).joins(made)
+    assert calm is not None
+    assert calm["words"].startswith("As shown, no join jolts harder")
+    assert usual.joins(replace(made, segments=made.segments[:1])) is None
+    read = words(page(made, library=library))
+    measured = BesideLibrary.measured(library)
+    assert f"Hardest jolt {hard['hardest']:.1f} m/s² below {measured.acceleration:.1f} m/s² in 99.9 %" in read
+    assert "Joins as shown" not in words(page(made))
+
+
+def test_a_page_beside_another_library_is_refused(
+    made: Dance, page: Callable[..., str], library: DanceLibrary
+) -> None:
+    with pytest.raises(InputError, match="dance 0: it was not made of the library made-up"):
+        page(made, library=replace(library, sha256="2" * 64))
+
+
+@pytest.mark.parametrize("segments", [1, 2])
+def test_very_short_dances_have_room_on_their_page(made: Dance, tmp_path: Path, segments: int) -> None:
+    motion = replace(
+        made.motion,
+        rotations=made.motion.rotations[: 120 * segments],
+        root_positions=made.motion.root_positions[: 120 * segments],
+    )
+    short = replace(
+        made, motion=motion, segments=made.segments[:segments], displacements_m=(0.031,) * (segments - 1)
+    )
+    text = write_dance_page({"short": short}, tmp_path / "page.html").read_text()  # warnings are errors
+    assert text.count("<figure>") == 5
+    assert ("1 segment" in words(text), "joins as smooth" in words(text)) == (segments == 1, segments > 1)
+
+
 def test_what_weighs_nothing_was_not_asked_for(made: Dance, page: Callable[..., str]) -> None:
     read = words(page(replace(made, weights=made.weights | {"variety": 0.0, "transition": 0.0})))
     assert "variety 80.0" not in read.split("Energies are for")[0]
@@ -234,8 +336,10 @@ def test_segments_have_the_letters_and_colours_of_the_film_strip(
     assert "8–12 s A′ kick 2.50 s yes – 57 mm CC0-1.0" in read
 
 
-def test_the_search_and_its_source_are_told(made: Dance, page: Callable[..., str]) -> None:
-    read = words(page(made, library_name="made-up", notes=["Arms were put in."]))
+def test_the_search_and_its_source_are_told(
+    made: Dance, page: Callable[..., str], library: DanceLibrary
+) -> None:
+    read = words(page(made, library=library, notes=["Arms were put in."]))
     assert "3 chains of 400 steps" in read
     assert "0.2500 to 0.7500, in the median 0.5000; the dance of this page costs 0.2500" in read
     assert "transition 0.5000 0.50 0.2500" in read
@@ -270,7 +374,7 @@ def test_nothing_is_fetched_and_every_figure_is_within(whole: str) -> None:
     assert not re.search(r"<link|\bsrc=\"(?!data:)|@import|url\(", outside)
 
 
-def test_names_of_others_stay_text(made: Dance, tmp_path: Path) -> None:
+def test_names_of_others_stay_text(made: Dance, library: DanceLibrary, tmp_path: Path) -> None:
     hostile = replace(
         made,
         condition=HOSTILE,
@@ -279,7 +383,10 @@ def test_names_of_others_stay_text(made: Dance, tmp_path: Path) -> None:
         ),
     )  # fmt: skip
     out = write_dance_page(
-        {HOSTILE: hostile, "other": made}, tmp_path / "page.html", library_name=HOSTILE, notes=[HOSTILE]
+        {HOSTILE: hostile, "other": made},
+        tmp_path / "page.html",
+        library=replace(library, name=HOSTILE),
+        notes=[HOSTILE],
     )
     text = out.read_text()
     assert HOSTILE not in text
