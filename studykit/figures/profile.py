@@ -158,9 +158,11 @@ def _draw_panel(axes: Axes, dance: Dance) -> None:
     axes.plot(
         joins, np.zeros(len(joins)), linestyle="", marker="|", color=style.INK, markersize=5.0,
         markeredgewidth=0.7, transform=axes.get_xaxis_transform(), clip_on=False, gid="joins",
+        in_layout=False,  # where there is none, it would be laid out at infinity
     )  # fmt: skip
     axes.set_xlim(0.0, duration_s)
-    axes.set_xticks(np.arange(0.0, duration_s + 0.1, 8.0 if duration_s <= 64.0 else 32.0))
+    tick_s = 4.0 if duration_s < 16.0 else 8.0 if duration_s <= 64.0 else 32.0
+    axes.set_xticks(np.arange(0.0, duration_s + 0.1, tick_s))
     axes.tick_params(labelbottom=False)
 
 
