@@ -10,10 +10,19 @@ import numpy as np
 from studykit.analysis.aligned_ranks import FactorialEffect
 from studykit.analysis.correlation import Correlation
 from studykit.analysis.crossover import OrderEffects
+from studykit.analysis.curves import CurveComparison
+from studykit.analysis.equivalence import Equivalence
 from studykit.analysis.friedman import Friedman
 from studykit.analysis.mixed_model import MixedModel, Term
-from studykit.analysis.wilcoxon import Wilcoxon
-from studykit.protocol.analysis_plan import CorrelationPlan, ModelPlan, TestPlan
+from studykit.analysis.skillings_mack import SkillingsMack
+from studykit.analysis.wilcoxon import Shift, Wilcoxon
+from studykit.protocol.analysis_plan import (
+    CorrelationPlan,
+    CurvePlan,
+    EquivalencePlan,
+    ModelPlan,
+    TestPlan,
+)
 from studykit.protocol.part import Part
 
 
@@ -65,6 +74,8 @@ class PairResult:
         The conditions; differences are a - b.
     median_difference : float
         In the outcome's unit.
+    shift : Shift
+        By how much a exceeds b (Hodges-Lehmann), with its interval.
     test : Wilcoxon
         Statistic, p, effect size and variant.
     p_corrected : float
@@ -73,6 +84,8 @@ class PairResult:
         Whether `p_corrected` lies below alpha.
     rank_biserial_interval : tuple of float or None
         Plausible values of the effect size; None if nobody differs or all differ the same way.
+    bayes_factor_10 : float or None
+        How many times likelier the data are with a difference than with none; None if all differ alike.
     p_by_variant : dict of str to float
         Uncorrected p of the other ways to make the test.
     """
@@ -80,10 +93,12 @@ class PairResult:
     a: str
     b: str
     median_difference: float
+    shift: Shift
     test: Wilcoxon
     p_corrected: float
     is_significant: bool
     rank_biserial_interval: tuple[float, float] | None
+    bayes_factor_10: float | None
     p_by_variant: dict[str, float]
 
 
@@ -105,6 +120,8 @@ class TestResult:
         Whether it lies below alpha.
     kendalls_w_interval : tuple of float or None
         Plausible values of W (bootstrap over people).
+    skillings_mack : SkillingsMack or None
+        The test that keeps people who lack a condition, where declared; None if it cannot be made.
     summaries : tuple of ConditionSummary
     pairs : tuple of PairResult
     not_computed_because : str or None
@@ -120,6 +137,7 @@ class TestResult:
     p: float | None = None
     is_significant: bool | None = None
     kendalls_w_interval: tuple[float, float] | None = None
+    skillings_mack: SkillingsMack | None = None
     summaries: tuple[ConditionSummary, ...] = ()
     pairs: tuple[PairResult, ...] = ()
     not_computed_because: str | None = None
@@ -176,6 +194,44 @@ class ModelResult:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class EquivalenceResult:
+    """One pair that was declared to be the same but for what does not matter.
+
+    Parameters
+    ----------
+    plan : EquivalencePlan
+    exclusions : Exclusions
+    found : Equivalence or None
+        None if not computed.
+    not_computed_because : str or None
+        Why, if so.
+    """
+
+    plan: EquivalencePlan
+    exclusions: Exclusions
+    found: Equivalence | None = None
+    not_computed_because: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CurveResult:
+    """One declared comparison over time.
+
+    Parameters
+    ----------
+    plan : CurvePlan
+    found : CurveComparison or None
+        None if not computed.
+    not_computed_because : str or None
+        Why, if so.
+    """
+
+    plan: CurvePlan
+    found: CurveComparison | None = None
+    not_computed_because: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class OrderResult:
     """Whether the order of the conditions mattered for one outcome.
 
@@ -209,6 +265,8 @@ class Results:
     tests : tuple of TestResult
     correlations : tuple of CorrelationResult
     models : tuple of ModelResult
+    equivalences : tuple of EquivalenceResult
+    curves : tuple of CurveResult
     order_effects : tuple of OrderResult
         One for every outcome that is tested or modelled.
     """
@@ -221,6 +279,8 @@ class Results:
     tests: tuple[TestResult, ...]
     correlations: tuple[CorrelationResult, ...]
     models: tuple[ModelResult, ...] = ()
+    equivalences: tuple[EquivalenceResult, ...] = ()
+    curves: tuple[CurveResult, ...] = ()
     order_effects: tuple[OrderResult, ...] = ()
 
     def test(self, name: str) -> TestResult:
@@ -237,6 +297,8 @@ class Results:
             [line for test in self.tests for line in _test_lines(test)]
             + [line for correlation in self.correlations for line in _correlation_lines(correlation)]
             + [line for model in self.models for line in _model_lines(model)]
+            + [_equivalence_line(pair) for pair in self.equivalences]
+            + [_curve_line(comparison) for comparison in self.curves]
             + [line for order in self.order_effects for line in _order_lines(order)]
         )
 
@@ -269,7 +331,8 @@ def _test_lines(result: TestResult) -> list[str]:
         f"{p_text(friedman.p)}, W = {friedman.kendalls_w:.2f}, n = {friedman.n}"
     )
     pairs = (
-        f"    {pair.a} - {pair.b}: median {pair.median_difference:+.3g}, "
+        f"    {pair.a} - {pair.b}: {pair.shift.estimate:+.3g} "
+        f"[{pair.shift.interval[0]:+.3g}, {pair.shift.interval[1]:+.3g}], "
         f"{p_text(pair.p_corrected)} ({result.plan.correction}), r = {pair.test.rank_biserial:+.2f}"
         for pair in result.pairs
     )
@@ -300,6 +363,25 @@ def _model_lines(result: ModelResult) -> list[str]:
     lines = [f"{head}: mixed model, {fit.n} trials of {fit.participants} people, {spread}"]
     lines += [f"    {_term_text(term)}" for term in fit.terms]
     return lines
+
+
+def _equivalence_line(result: EquivalenceResult) -> str:
+    plan, found = result.plan, result.found
+    head = f"{plan.name} ({plan.outcome}, {plan.a} - {plan.b} within {plan.low:g} to {plan.high:g})"
+    if found is None:
+        return f"{head}: not computed because {result.not_computed_because}"
+    by_t, by_ranks = found.by_t, found.by_ranks
+    return f"{head}: {p_text(by_t.p)} by t, {p_text(by_ranks.p)} by ranks, n = {found.n}"
+
+
+def _curve_line(result: CurveResult) -> str:
+    head = f"{result.plan.name} ({result.plan.curve} over time)"
+    if result.found is None:
+        return f"{head}: not computed because {result.not_computed_because}"
+    stretches = ", ".join(
+        f"{one.start_s:g} to {one.stop_s:g} s ({p_text(one.p)})" for one in result.found.clusters
+    )
+    return f"{head}: {stretches or 'no stretch differs'}, n = {result.found.n}"
 
 
 def _order_lines(result: OrderResult) -> list[str]:

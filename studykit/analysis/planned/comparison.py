@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studykit.analysis import multiplicity
+from studykit.analysis.bayes import bayes_factor
 from studykit.analysis.friedman import Friedman, friedman, kendalls_w_interval
 from studykit.analysis.planned.values import exclusions_of, values_of, why_not_compared
 from studykit.analysis.results import ConditionSummary, PairResult, TestResult
-from studykit.analysis.wilcoxon import PValue, Zeros, rank_biserial_interval, wilcoxon
+from studykit.analysis.skillings_mack import SkillingsMack, skillings_mack
+from studykit.analysis.wilcoxon import PValue, Zeros, hodges_lehmann, rank_biserial_interval, wilcoxon
 from studykit.core.arrays import Floats
 from studykit.core.seeding import stream
 from studykit.protocol.analysis_plan import TestPlan
@@ -50,12 +52,14 @@ def compare(plan: TestPlan, trials: pd.DataFrame, alpha: float) -> TestResult:
     complete = values.dropna()
     exclusions = exclusions_of(trials, plan.conditions, values, complete)
     table = complete.to_numpy()
+    with_gaps = _with_gaps(plan, values)
     problem = why_not_compared(values, table)
     if problem:
         return TestResult(
             plan=plan,
             exclusions=exclusions,
             participants=len(table),
+            skillings_mack=with_gaps,
             not_computed_because=problem,
         )
     omnibus = friedman(table, rng=stream(0, "friedman", plan.name))
@@ -70,9 +74,20 @@ def compare(plan: TestPlan, trials: pd.DataFrame, alpha: float) -> TestResult:
         kendalls_w_interval=kendalls_w_interval(
             table, rng=stream(0, "kendalls_w_interval", plan.name), confidence=1.0 - alpha
         ),
+        skillings_mack=with_gaps,
         summaries=_summaries(plan.conditions, table, omnibus.mean_ranks),
         pairs=_pairs(plan, complete, alpha),
     )
+
+
+def _with_gaps(plan: TestPlan, values: pd.DataFrame) -> SkillingsMack | None:
+    """Test with the people who lack a condition; None where not declared, or where ranks say nothing."""
+    if plan.missing is None:
+        return None
+    try:
+        return skillings_mack(values.to_numpy(), rng=stream(0, "skillings_mack", plan.name))
+    except ValueError:
+        return None
 
 
 def _declared_p(plan: TestPlan, found: Friedman) -> float:
@@ -108,17 +123,31 @@ def _pairs(plan: TestPlan, complete: pd.DataFrame, alpha: float) -> tuple[PairRe
     declared: tuple[PValue, Zeros] = ("exact", plan.zeros or "drop")
     kinds = (declared, *(variant for variant in _VARIANTS if variant != declared))
     variants = [[wilcoxon(column[a], column[b], p=p, zeros=zeros) for p, zeros in kinds] for a, b in pairs]
-    corrected = _CORRECTIONS[plan.correction]([tests[0].p for tests in variants])
+    if plan.correction == "closed":
+        places = [(plan.conditions.index(a), plan.conditions.index(b)) for a, b in pairs]
+        corrected = multiplicity.closed_friedman(complete.to_numpy(), places)
+    else:
+        corrected = _CORRECTIONS[plan.correction]([tests[0].p for tests in variants])
     return tuple(
         PairResult(
             a=a,
             b=b,
             median_difference=float(np.median(column[a] - column[b])),
+            shift=hodges_lehmann(column[a] - column[b], confidence=1.0 - alpha),
             test=test,
             p_corrected=float(p),
             is_significant=bool(p < alpha),
             rank_biserial_interval=rank_biserial_interval(column[a], column[b], confidence=1.0 - alpha),
+            bayes_factor_10=_bayes_factor(column[a], column[b]),
             p_by_variant={other.variant: other.p for other in others},
         )
         for (a, b), (test, *others), p in zip(pairs, variants, corrected, strict=True)
     )
+
+
+def _bayes_factor(a: Floats, b: Floats) -> float | None:
+    """Give the Bayes factor; None where all differences are alike, which it cannot weigh."""
+    differences = a - b
+    if np.ptp(differences) <= 1e-12 * np.abs(differences).max():
+        return None
+    return bayes_factor(a, b)

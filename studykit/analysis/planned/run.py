@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from studykit.analysis import tables
 from studykit.analysis.planned.comparison import compare
+from studykit.analysis.planned.course import Course, follow
+from studykit.analysis.planned.equality import equal
 from studykit.analysis.planned.model import model, order
 from studykit.analysis.planned.relation import correlate
 from studykit.analysis.planned.values import refuse_repeats
@@ -19,8 +22,12 @@ if TYPE_CHECKING:
 _NEEDED = ("participant", "session", "condition", "is_valid", "exclusion_reason", "simulated")
 
 
-def run(plan: AnalysisPlan, trials: pd.DataFrame) -> Results:
-    """Make every test and correlation that was declared before the study.
+Courses = Mapping[str, Mapping[str, Course]]
+"""What was measured over time: by the kind of curve, then by condition."""
+
+
+def run(plan: AnalysisPlan, trials: pd.DataFrame, *, courses: Courses | None = None) -> Results:
+    """Make every comparison that was declared before the study.
 
     Only valid trials count. A test compares the people who have a value in all of its conditions; a
     correlation uses the people with at least two.
@@ -31,6 +38,8 @@ def run(plan: AnalysisPlan, trials: pd.DataFrame) -> Results:
         The tests declared.
     trials : pandas.DataFrame
         One row a trial, columns as in `tables.TRIALS` (those that the plan needs).
+    courses : mapping, optional
+        What was measured over time, which declared curves need.
 
     Returns
     -------
@@ -56,6 +65,10 @@ def run(plan: AnalysisPlan, trials: pd.DataFrame) -> Results:
         tests=tuple(compare(test, trials, plan.alpha) for test in plan.tests),
         correlations=tuple(correlate(declared, trials, plan.alpha) for declared in plan.correlations),
         models=tuple(model(declared, valid, plan.alpha) for declared in plan.models or ()),
+        equivalences=tuple(equal(declared, trials, plan.alpha) for declared in plan.equivalences or ()),
+        curves=tuple(
+            follow(declared, (courses or {}).get(declared.curve, {})) for declared in plan.curves or ()
+        ),
         order_effects=tuple(order(outcome, valid, plan.alpha) for outcome in _compared(plan)),
     )
 
