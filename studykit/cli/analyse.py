@@ -43,13 +43,24 @@ def analyse(
 def figures(
     study: Study,
     only: Annotated[
-        list[str] | None, typer.Option(help="Numbers of the paper's figures; may be repeated.")
+        list[str] | None, typer.Option(help="A figure's number in the paper, or name; may be repeated.")
     ] = None,
+    dances: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Folder of a dance that the study lacks: one that spares joints (figures 1 and 9), or has "
+            "blocks (10a, 10b); may be repeated."
+        ),
+    ] = None,
+    *,
+    tables: Annotated[
+        bool, typer.Option("--tables", help="Write the tables too, for LaTeX and as CSV.")
+    ] = False,
 ) -> None:
-    """Draw the figures of the paper from a study."""
+    """Draw the figures of the paper from a study, each as SVG, PDF and PNG."""
     from studykit import reports
 
-    for path in reports.draw(study, only=only):
+    for path in reports.draw(study, only=only, dances=dances or (), with_tables=tables):
         show.say(str(path))
 
 
@@ -57,4 +68,5 @@ def report(study: Study) -> None:
     """Write one report with every number, figure and method."""
     from studykit import reports
 
-    show.say(str(reports.report(study)))
+    for path in reports.report(study):
+        show.say(str(path))

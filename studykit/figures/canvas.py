@@ -57,7 +57,7 @@ class PaperFigure(Figure):
         if not isinstance(self.get_layout_engine(), ConstrainedLayoutEngine):
             return
         self.draw_without_rendering()
-        self.set_layout_engine("none")
+        self.set_layout_engine(None)  # an engine, even an idle one, would have every file drawn twice
         for axes in self.axes:
             # The solver's last digits hang on where objects lie in memory.
             axes.set_position(Bbox(np.round(axes.get_position().get_points(), 6)))

@@ -29,7 +29,7 @@ _PANELS = {
     "displacement_m": ("Jump at joins\n(mm)", 1000.0),
     "distinct_segments": ("Distinct\nsegments", 1.0),
 }
-_LOOKS = (("#0072B2", "o"), ("#D55E00", "D"), ("#009E73", "s"), ("#CC79A7", "^"))
+_LOOKS = tuple((colour, marker) for colour, marker, _ in style.SERIES)
 _FLOOR = 0.01  # per cent
 _QUANTILES = (5.0, 50.0, 95.0)
 _GOLDEN = (5.0**0.5 - 1.0) / 2.0

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from studykit.core.arrays import Floats
+from studykit.core.errors import InputError
 from studykit.figures import style
 from studykit.figures.samples import ORDER, beside_each_other, by_participant, mean_interval, valid_trials
 
@@ -94,35 +96,92 @@ def smoothness_by_condition(
         axes.set_xlabel("Transition cost")
         axes.set_ylabel(f"“{question.rstrip('.')}”\n({low} strongly disagree … {high} strongly agree)")
         median = _sign(color=style.FAINT, alpha=0.45, linewidth=4.0, label="median")
-        participants = [_participant_sign(filled=filled) for filled in (True, False)]
+        participants = [participant_sign(filled=filled) for filled in (True, False)]
         figure.legend(handles=[*participants, median, mean_sign(axes)], loc="outside lower center", ncols=4)
+    return figure
+
+
+def declared_outcomes(
+    trials: pd.DataFrame, declared: Sequence[tuple[str, str, Sequence[str]]]
+) -> PaperFigure:
+    """Show every participant's value of every outcome that was declared, with means and intervals.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        One row a trial, with the columns of `trials.csv`.
+    declared : sequence of (str, str, sequence of str)
+        Column, what its axis says, and the conditions compared; a panel each, from top to bottom.
+
+    Raises
+    ------
+    InputError
+        If nothing is declared, or no valid trial has a value of any of them.
+    """
+    shown, problem = [], None
+    for outcome, axis_label, conditions in declared:
+        try:
+            kept = valid_trials(trials, [outcome], transition=None)
+        except InputError as error:
+            problem = error
+            continue
+        table = by_participant(kept[kept["condition"].isin(list(conditions))], outcome)
+        shown.append((table, axis_label))
+    if not shown:
+        raise problem or InputError(
+            "no test is declared", where="protocol", remedy="declare one under [[analysis.tests]]"
+        )
+    with style.in_style():
+        figure = style.sheet(
+            width_mm=style.PAGE_MM,
+            height_mm=12.0 + 52.0 * len(shown),
+            simulated=bool(trials["simulated"].any()),
+        )
+        panels = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
+        for axes, (table, axis_label) in zip(panels, shown, strict=True):
+            _draw_conditions(axes, table, axis_label, says_transition=table.shape[1] > len(ORDER))
+        figure.align_ylabels()
+        figure.legend(
+            handles=[participant_sign(filled=None), mean_sign(panels[0])], loc="outside lower center", ncols=2
+        )
     return figure
 
 
 def _by_condition(trials: pd.DataFrame, outcome: str, axis_label: str) -> PaperFigure:
     table = by_participant(valid_trials(trials, [outcome], transition="on"), outcome)
-    values = table.to_numpy(float)
     with style.in_style():
         figure = style.sheet(
             width_mm=style.COLUMN_MM, height_mm=76.0, simulated=bool(trials["simulated"].any())
         )
         axes = figure.add_subplot()
-        style.rule(axes)
-        shifts = [beside_each_other(column, half_width=0.22) for column in values.T]
-        places = np.asarray(np.arange(values.shape[1]) - 0.08 + np.column_stack(shifts), dtype=np.float64)
-        axes.plot(places.T, values.T, color=style.FAINT, linewidth=0.35, alpha=0.35, zorder=1)
-        for column, name in enumerate(table.columns):
-            draw_participants(axes, places[:, column], values[:, column], name)
-            draw_mean(axes, column + 0.34, values[:, column], name)
-        labels = [style.words(name, between="\n") for name in table.columns]
-        axes.set_xticks(range(len(labels)), labels)
-        axes.set_xlim(-0.5, len(labels) - 0.45)
-        axes.set_ylabel(axis_label)
-        axes.tick_params(axis="x", length=0.0)
+        _draw_conditions(axes, table, axis_label)
         figure.legend(
-            handles=[_participant_sign(filled=None), mean_sign(axes)], loc="outside lower center", ncols=2
+            handles=[participant_sign(filled=None), mean_sign(axes)], loc="outside lower center", ncols=2
         )
     return figure
+
+
+def _draw_conditions(
+    axes: Axes, table: pd.DataFrame, axis_label: str, *, says_transition: bool = False
+) -> None:
+    values = table.to_numpy(float)
+    style.rule(axes)
+    shifts = [beside_each_other(column, half_width=0.22) for column in values.T]
+    places = np.asarray(np.arange(values.shape[1]) - 0.08 + np.column_stack(shifts), dtype=np.float64)
+    axes.plot(places.T, values.T, color=style.FAINT, linewidth=0.35, alpha=0.35, zorder=1)
+    for column, name in enumerate(table.columns):
+        draw_participants(axes, places[:, column], values[:, column], name)
+        draw_mean(axes, column + 0.34, values[:, column], name)
+    labels = [style.words(name, between="\n") for name in table.columns]
+    if says_transition:
+        labels = [
+            f"{label}\n{name.rsplit('-', maxsplit=1)[1]}"
+            for label, name in zip(labels, table.columns, strict=True)
+        ]
+    axes.set_xticks(range(len(labels)), labels)
+    axes.set_xlim(-0.5, len(labels) - 0.45)
+    axes.set_ylabel(axis_label)
+    axes.tick_params(axis="x", length=0.0)
 
 
 def draw_participants(axes: Axes, places: Floats, values: Floats, condition: str) -> None:
@@ -183,7 +242,8 @@ def _draw_cell(axes: Axes, table: pd.DataFrame, cell: str, left: float) -> None:
     )  # fmt: skip
 
 
-def _participant_sign(*, filled: bool | None) -> Line2D:
+def participant_sign(*, filled: bool | None) -> Line2D:
+    """Give what stands for a participant in a legend; `filled` only where there are hollow ones too."""
     words = {True: "participant, transition cost on", False: "… off", None: "participant"}
     return _sign(
         marker="o", linestyle="", markersize=3.4, color=style.FAINT, label=words[filled],

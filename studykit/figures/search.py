@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _HEIGHTS_MM = (32.0, 32.0, 20.0, 12.0, 18.0)
 _DASHES = (0, (4, 1))
 _DECADES = 4
+_ACROSS = 4
 # Okabe and Ito's palette without its yellow; dashes tell the lines apart in grey.
 _LINES: tuple[tuple[str, Any], ...] = (
     ("#0072B2", "-"),
@@ -91,7 +92,58 @@ def search_trace(dance: Dance) -> PaperFigure:
     return figure
 
 
-def _draw_costs(axes: Axes, iterations: Integers, dance: Dance) -> None:
+def search_traces(dances: Sequence[Dance]) -> PaperFigure:
+    """Show how the searches for the dances of a study went: the costs of each, on one scale.
+
+    Parameters
+    ----------
+    dances : sequence of Dance
+        A panel each, four across; those without a trace are left out.
+
+    Returns
+    -------
+    PaperFigure
+        Over iterations the cost of the moment and the best so far; at the right the best of every chain, and
+        the cost of the dance that was taken.
+
+    Raises
+    ------
+    InputError
+        If no dance has a trace.
+    """
+    traced = [dance for dance in dances if dance.trace]
+    if not traced:
+        raise InputError(
+            "no dance has a trace of its search", where="dances", remedy="choreograph them again"
+        )
+    across = min(_ACROSS, len(traced))
+    down = -(-len(traced) // across)
+    with style.in_style():
+        figure = style.sheet(
+            width_mm=style.PAGE_MM,
+            height_mm=14.0 + 42.0 * down,
+            simulated=False,
+            synthetic=any(dance.is_synthetic for dance in traced),
+        )
+        panels = figure.subplots(down, across, squeeze=False, sharey=True).ravel()
+        for axes, dance in zip(panels, traced, strict=False):
+            _draw_costs(axes, np.array([row.iteration for row in dance.trace]), dance, is_alone=False)
+            style.rule(axes)
+            axes.set_title(style.title(dance).replace(", ", ",\n"), fontsize=7.5, fontweight="bold")
+            axes.set_xlim(0.0, dance.trace[-1].iteration)
+            axes.locator_params(axis="x", nbins=4)
+            axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000.0:g}")
+            axes.set_xlabel("Iteration (thousands)")
+            axes.label_outer()
+        for axes in panels[len(traced) :]:
+            axes.remove()
+        lines, names = panels[0].get_legend_handles_labels()
+        names = ["chains" if name.endswith(" chains") else name for name in names]
+        figure.legend(lines, names, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _draw_costs(axes: Axes, iterations: Integers, dance: Dance, *, is_alone: bool = True) -> None:
     for name, words, colour, width in (
         ("cost", "now", style.FAINT, 0.8),
         ("best_cost", "best", style.INK, 1.3),
@@ -115,7 +167,8 @@ def _draw_costs(axes: Axes, iterations: Integers, dance: Dance) -> None:
     )  # fmt: skip
     axes.set_ylabel("Cost (Eq. 1)")
     _make_logarithmic(axes)
-    _name_lines(axes, columns=4)
+    if is_alone:
+        _name_lines(axes, columns=4)
 
 
 def _draw_terms(axes: Axes, iterations: Integers, terms: Mapping[str, Floats]) -> None:

@@ -12,9 +12,10 @@ import numpy as np
 from studykit.core.arrays import Floats, frozen
 from studykit.core.errors import InputError
 from studykit.figures import body, style
-from studykit.figures.samples import mean_interval
+from studykit.figures.time_curves import PeopleCurve, draw_people
 from studykit.motion import energy, kinematics
 from studykit.motion.motion import Motion
+from studykit.motion.skeleton import JOINT_NAMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 POSES = 8
 """How many poses of a dance are shown."""
 
-_STRIP_MM, _CURVE_MM, _GAP_MM, _LEFT_MM = 26.0, 12.0, 5.0, 20.0
+_STRIP_MM, _CURVE_MM, _GAP_MM = 26.0, 12.0, 5.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -145,7 +146,8 @@ def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: boo
             [figure.add_subplot(grid[3 * row + part]) for part in range(3)] for row in range(len(strips))
         ]
         for strip, bodies, (top, heart, distance) in zip(strips, shown, panels, strict=True):
-            _draw_poses(top, strip, bodies, lambda joint: colours.to_rgba(joint / highest))
+            draw_poses(top, strip.motion, bodies, lambda joint: colours.to_rgba(joint / highest))
+            top.set_title(style.words(strip.condition), fontweight="bold", pad=1.0)
             _draw_curve(heart, strip, strip.heart_rate_bpm, "Heart rate\n(beats/min)")
             _draw_curve(distance, strip, strip.distance_m, "DTW\n(m)")
             heart.tick_params(labelbottom=False)
@@ -154,40 +156,55 @@ def four_dances(strips: Sequence[DanceStrip], *, simulated: bool, synthetic: boo
             _share_height([row[part] for row in panels])
         panels[-1][2].set_xlabel("Time in the dance (s)")
         figure.align_ylabels()
-        _draw_scale(figure, colours)
+        draw_scale(figure, colours)
     return figure
 
 
-def _draw_poses(axes: Axes, strip: DanceStrip, bodies: Poses, colour_of: Any) -> None:
-    duration_s = strip.motion.duration_s
-    axes.set_title(style.words(strip.condition), fontweight="bold", pad=1.0)
+def draw_poses(
+    axes: Axes,
+    motion: Motion,
+    bodies: Poses,
+    colour_of: Any,
+    *,
+    spared: Sequence[str] = (),
+    size_mm: tuple[float, float] | None = None,
+) -> None:
+    """Draw the poses of a dance over a line of time.
+
+    Parameters
+    ----------
+    colour_of : callable
+        Turns intensities, shape (24,), into colours.
+    spared : sequence of str, optional
+        Joints that get a rim of their own.
+    size_mm : (float, float), optional
+        Width and height of the axes on paper, so that bodies are as wide as they are tall.
+    """
+    is_spared = [name in spared for name in JOINT_NAMES]
+    rims = [style.SPARED if one else style.INK for one in is_spared]
+    rim_pt = np.where(is_spared, 1.0, 0.45)
+    wide_mm, high_mm = size_mm or (style.PAGE_MM - 20.0, _STRIP_MM)
+    duration_s = motion.duration_s
     top_m = max(1.85, float(bodies.positions[..., 1].max()) + 0.12)
     # Bodies are as wide as they are tall: the strip's axes show seconds across and metres up.
-    seconds_a_metre = duration_s / (style.PAGE_MM - _LEFT_MM) * _STRIP_MM / (top_m + 0.06)
+    seconds_a_metre = duration_s / wide_mm * high_mm / (top_m + 0.06)
     for time_s, pose, work in zip(bodies.times_s, bodies.positions, bodies.intensity, strict=True):
         screen, depth = body.seen(pose)
         screen = screen * [seconds_a_metre, 1.0] + [time_s, 0.0]
         shades = colour_of(work)
-        body.draw_body(axes, screen, shades, depth=depth)
+        body.draw_body(axes, screen, shades, depth=depth, outlines=rims, widths_pt=(2.3, rim_pt))
         body.draw_head(axes, screen[body.HEAD], face=shades[body.HEAD], scale=(seconds_a_metre, 1.0))
     axes.axhline(0.0, color=style.INK, linewidth=0.7, zorder=0)
     axes.set(xlim=(0.0, duration_s), ylim=(-0.06, top_m), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
+    for artist in (*axes.collections, *axes.patches):
+        artist.set_clip_on(False)  # an arm may reach beyond the first or the last second
 
 
 def _draw_curve(axes: Axes, strip: DanceStrip, values: Floats, axis_label: str) -> None:
     style.rule(axes)
-    intervals = [mean_interval(column) for column in values.T]
-    axes.fill_between(
-        strip.times_s,
-        [interval.low for interval in intervals],
-        [interval.high for interval in intervals],
-        color=style.colour(strip.condition),
-        alpha=0.25,
-        linewidth=0.0,
-    )
-    means = [interval.mean for interval in intervals]
-    axes.plot(strip.times_s, means, color=style.colour(strip.condition), linewidth=0.8)
+    curve = PeopleCurve(label=axis_label, times_s=strip.times_s, values=values)
+    draw_people(axes, curve, style.colour(strip.condition))
     duration_s = strip.motion.duration_s
     axes.set_xlim(0.0, duration_s)
     axes.set_xticks(np.arange(0.0, duration_s + 0.1, 4.0 if duration_s <= 64.0 else 16.0))
@@ -202,7 +219,8 @@ def _share_height(axes: Sequence[Axes]) -> None:
         one.locator_params(axis="y", nbins=3)
 
 
-def _draw_scale(figure: Figure, colours: ScalarMappable) -> None:
+def draw_scale(figure: Figure, colours: ScalarMappable) -> None:
+    """Say what the colours of poses mean."""
     bar = figure.colorbar(colours, ax=list(figure.axes), location="bottom", shrink=0.4, aspect=38, pad=0.01)
     bar.set_label("Joint energy, as a share of the highest of all joints and poses")
     bar.set_ticks([0.0, 0.1, 0.25, 0.5, 1.0])

@@ -31,6 +31,15 @@ SPARED = "#009E73"
 TINTS = ("#9fd3f2", "#f3cf80", "#e3b6d0", "#8fd0b9", "#f5ee9a", "#8ab6d6", "#eeb68a")
 """Okabe and Ito's palette, pale enough to write on."""
 
+SERIES: tuple[tuple[str, str, Any], ...] = (
+    ("#0072B2", "o", "-"),
+    ("#D55E00", "D", (0, (5, 1.5))),
+    ("#009E73", "s", (0, (1, 1))),
+    ("#CC79A7", "^", (0, (5, 1, 1, 1))),
+    ("#222222", "v", (0, (8, 2))),
+)
+"""Colour, marker and dashes of lines that stand beside each other: no two share any of the three."""
+
 SIMULATED = "SIMULATED DATA"
 SYNTHETIC = "SYNTHETIC MOVEMENT"
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,83 +13,37 @@ from studykit.choreography.dance import Dance
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.figures.samples import ORDER
-from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import read_dances
 from studykit.protocol.study_protocol import StudyProtocol
-from studykit.recording.session_record import SessionRecord, StepRecord, read_session
+from studykit.recording.session_record import SessionRecord, StepRecord
 from studykit.recording.study_folder import StudyFolder
+from studykit.reports import drawings
 from studykit.reports.analyse import write
+from studykit.reports.material import Drawing, Material
 from studykit.reports.place import AnyStudy, folder_of
+from studykit.reports.tables_out import write_tables
 from studykit.reports.trial import movement_measures
-from studykit.reports.trials import dances, trials
+from studykit.reports.trials import dances as dance_table
+from studykit.reports.trials import trials
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from studykit.figures.canvas import PaperFigure
 
-FORMATS = ("svg", "png")
+__all__ = ["DRAWINGS", "FORMATS", "Drawing", "Material", "chosen", "draw", "material_of", "save"]
+
+FORMATS = ("svg", "pdf", "png")
 
 _CURVE_STEP_S = 0.5
 
 
-@dataclass(frozen=True, kw_only=True)
-class Material:
-    """What the figures of a study are drawn from.
-
-    Parameters
-    ----------
-    folder : StudyFolder
-        Where it was recorded.
-    trials : DataFrame
-        One row a trial, with the columns of `trials.csv`.
-    """
-
-    folder: StudyFolder
-    trials: pd.DataFrame
-
-    @cached_property
-    def protocol(self) -> StudyProtocol:
-        """What was followed."""
-        return read_protocol(self.folder.protocol)
-
-    @cached_property
-    def dances(self) -> Mapping[str, Dance]:
-        """The dances that were shown."""
-        return read_dances(self.folder.dances)
-
-    @cached_property
-    def records(self) -> tuple[SessionRecord, ...]:
-        """The visits."""
-        return tuple(read_session(path) for path in self.folder.sessions())
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Drawing:
-    """A figure that can be asked for.
-
-    Parameters
-    ----------
-    name : str
-        Its number in the paper, or words.
-    caption : str
-        What it shows.
-    of : callable
-        Draws it.
-    """
-
-    name: str
-    caption: str
-    of: Callable[[Material], PaperFigure]
-
-    @property
-    def stem(self) -> str:
-        """The name of its files, without ending."""
-        return f"figure-{self.name}" if self.name.isdigit() else self.name
-
-
-def draw(study: AnyStudy, *, only: Sequence[str] | None = None) -> tuple[Path, ...]:
-    """Draw the figures of a study, each as SVG and as PNG.
+def draw(
+    study: AnyStudy,
+    *,
+    only: Sequence[str] | None = None,
+    dances: Sequence[Path | str] = (),
+    with_tables: bool = False,
+) -> tuple[Path, ...]:
+    """Draw the figures of a study, each as SVG, PDF and PNG.
 
     Writes into the study's `derivatives/studykit/figures`; the same recordings give the same bytes.
 
@@ -102,6 +54,11 @@ def draw(study: AnyStudy, *, only: Sequence[str] | None = None) -> tuple[Path, .
     only : sequence of str, optional
         Which figures: numbers of the paper, such as "7", or names. If not given, all for which something
         was measured.
+    dances : sequence of Path or str
+        Folders of further dances, for figures that the study's own dances cannot show: one that spares
+        joints (1 and 9), one of blocks that differ in intensity (10a) or in variety (10b).
+    with_tables : bool
+        Whether to write the tables of the paper too, into `derivatives/studykit/tables`.
 
     Returns
     -------
@@ -116,7 +73,7 @@ def draw(study: AnyStudy, *, only: Sequence[str] | None = None) -> tuple[Path, .
     """
     wanted = chosen(only)
     folder = folder_of(study)
-    material = Material(folder=folder, trials=trials(folder))
+    material = material_of(folder, dances=dances)
     paths: list[Path] = []
     for drawing in wanted:
         try:
@@ -126,7 +83,15 @@ def draw(study: AnyStudy, *, only: Sequence[str] | None = None) -> tuple[Path, .
                 raise
             continue
         paths += save(figure, folder.figures / drawing.stem)
+    if with_tables:
+        paths += write_tables(material)
     return tuple(paths)
+
+
+def material_of(folder: StudyFolder, *, dances: Sequence[Path | str] = ()) -> Material:
+    """Gather what the figures and tables of a study are made from; `dances` are folders of further ones."""
+    further = tuple(dance for path in dances for dance in read_dances(Path(path)).values())
+    return Material(folder=folder, trials=trials(folder), further=further)
 
 
 def chosen(only: Sequence[str] | None) -> tuple[Drawing, ...]:
@@ -216,6 +181,7 @@ def _smoothness(material: Material) -> PaperFigure:
 _INTERVALS = "Points are participants; black outlines are means with their 95 % interval (Student's t)."
 
 DRAWINGS: tuple[Drawing, ...] = (
+    *drawings.PAPER,
     Drawing(
         name="6",
         caption="The dances made with transition cost: poses from the middle of equal stretches of each "
@@ -235,6 +201,7 @@ DRAWINGS: tuple[Drawing, ...] = (
         caption=f"Ratings of smoothness with and without transition cost. {_INTERVALS}",
         of=_smoothness,
     ),
+    *drawings.EXPERIMENTS,
     Drawing(
         name="heart-rate-by-condition",
         caption=f"Mean heart rate while performing, by condition. {_INTERVALS} "
@@ -257,7 +224,8 @@ DRAWINGS: tuple[Drawing, ...] = (
         name="asked-and-achieved",
         caption="What was asked of each dance, what its segments achieve, and what the dance as shown has, "
         "with its joins.",
-        of=lambda material: figures.asked_and_achieved(dances(material.dances)),
+        of=lambda material: figures.asked_and_achieved(dance_table(material.dances)),
     ),
+    *drawings.REVIEWED,
 )
 """Every figure of a study, in order."""
