@@ -24,6 +24,12 @@ def folder_of(study: AnyStudy) -> StudyFolder:
         folder = study.folder
     else:
         folder = study if isinstance(study, StudyFolder) else StudyFolder(Path(study))
+    if not folder.protocol.exists() and (folder.path / "dataset_description.json").exists():
+        raise InputError(
+            "the protocol that was followed is not there",
+            where=folder.protocol,
+            remedy="put it there, or open the study once with it",
+        )
     if not folder.protocol.exists():
         raise InputError("there is no study here", where=folder.path, remedy="give the folder of a study")
     if not folder.sessions():
