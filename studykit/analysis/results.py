@@ -83,7 +83,7 @@ class PairResult:
     is_significant : bool
         Whether `p_corrected` lies below alpha.
     rank_biserial_interval : tuple of float or None
-        Plausible values of the effect size; None if nobody differs or all differ the same way.
+        Plausible values of the effect size; None if nobody differs.
     bayes_factor_10 : float or None
         How many times likelier the data are with a difference than with none; None if all differ alike.
     p_by_variant : dict of str to float
