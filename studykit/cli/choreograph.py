@@ -223,9 +223,8 @@ def note_compiling() -> None:
     """Say why a first search takes longer."""
     from studykit.choreography.rjmcmc import kernel
 
-    # Where the compiler keeps what it made, unless it was told otherwise.
-    if not any(Path(kernel.__path__[0], "__pycache__").glob("running.run-*.nbi")):
-        show.note("The search compiles itself once; this takes up to half a minute.")
+    if not kernel.is_compiled():
+        show.note(kernel.COMPILING)
 
 
 def _within_reach(

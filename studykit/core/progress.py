@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from typing import Protocol, TypeVar
 
@@ -19,3 +20,10 @@ class Progress(Protocol):
 def silent(items: Iterable[Item], *, label: str, total: int) -> Iterable[Item]:  # noqa: ARG001
     """Pass items through and show nothing."""
     return items
+
+
+def notice(text: str) -> None:
+    """Tell somebody at a notebook or a prompt why they wait; commands and scripts speak for themselves."""
+    if hasattr(sys, "ps1"):  # only where lines are typed in
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()

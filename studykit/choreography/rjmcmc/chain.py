@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from threading import Event
+from threading import Event, Lock
 
 import numpy as np
 
@@ -15,16 +15,19 @@ from studykit.choreography.cost.transition import TransitionCost
 from studykit.choreography.dance_library import CHAIN_SEGMENTS, DENSE_LIMIT
 from studykit.choreography.goal import Goal
 from studykit.choreography.measures import Blocks, Measures
-from studykit.choreography.rjmcmc import reference
+from studykit.choreography.rjmcmc import kernel, reference
 from studykit.choreography.rjmcmc.annealing import STOP_ITERATIONS, STOP_TEMPERATURE, Annealing
 from studykit.choreography.rjmcmc.kernel import arrays
 from studykit.choreography.rjmcmc.moves import Moves
 from studykit.choreography.rjmcmc.repertoire import Repertoire
 from studykit.choreography.rjmcmc.trace import TraceRow
 from studykit.core.arrays import Floats
+from studykit.core.progress import notice
 
 _CANDIDATES = 2048
 _ROUNDS = 3
+_TO_BE_TOLD = Lock()
+"""Whoever takes it says that the search compiles; it is never given back, so it is said once."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -196,6 +199,8 @@ def _compiled(
     targets = kernel_targets(search.objective, moves, repertoire)
     now = arrays.state(start, int(targets.highest.max()), len(targets.weights))
     kept = arrays.record(now, len(annealing.temperatures), STOP_ITERATIONS)
+    if not kernel.is_compiled() and _TO_BE_TOLD.acquire(blocking=False):
+        notice(kernel.COMPILING)
     cooling = (annealing.temperatures, annealing.widths, annealing.stop_below, STOP_TEMPERATURE)
     best = run(tables, targets, kernel_chances(moves), now, cooling, draws, kept)
     blocks = arrays.blocks(kept.segments, kept.counts)

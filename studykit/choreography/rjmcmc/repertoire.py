@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from itertools import chain, pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +112,7 @@ class Repertoire:
     def tables(self) -> Tables:
         """Everything the compiled search reads, laid out once."""
         table, reduced = self.table, self.reduced
-        return Tables(
+        tables = Tables(
             values=np.stack(list(self.values.values())),
             first_poses=np.ascontiguousarray(self.first_poses.swapaxes(1, 2)),
             last_poses=np.ascontiguousarray(self.last_poses.swapaxes(1, 2)),
@@ -125,6 +126,8 @@ class Repertoire:
             heads=self.heads,
             speed_limits=np.ascontiguousarray(self.speed_limits),
         )
+        # What is mapped from disk cannot be written to; were that not so of all, each kind would be compiled.
+        return Tables._make(map(_read_only, tables))
 
     @cached_property
     def reduced(self) -> Reduced | None:
@@ -257,6 +260,12 @@ def _rotational(library: DanceLibrary, preset: Preset, mask: JointMask | None) -
     if mask is None or not preset.masks_energies:
         return np.asarray(library.rotational_energies.sum(axis=1), dtype=np.float64)
     return np.asarray(library.rotational_energies @ mask.weights, dtype=np.float64)
+
+
+def _read_only(array: Any) -> NDArray[Any]:
+    view = np.asarray(array).view()
+    view.flags.writeable = False
+    return view
 
 
 def _require_terms(terms: Sequence[SegmentTerm | CostTerm]) -> None:

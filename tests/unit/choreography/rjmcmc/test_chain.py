@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
+from threading import Lock
 
 import numpy as np
 import pytest
 
 from studykit.choreography.reach import nearest
 from studykit.choreography.request import requested
+from studykit.choreography.rjmcmc import chain, kernel
 from studykit.choreography.rjmcmc.annealing import Annealing
 from studykit.choreography.rjmcmc.chain import Search
 from studykit.choreography.rjmcmc.repertoire import Repertoire
@@ -31,6 +34,27 @@ def test_a_mask_may_leave_very_few_segments(made_library, left) -> None:
     assert known.size == left
     found = Search(goal=goal, repertoire=known, annealing=SHORT).run(np.random.default_rng(0))
     assert {segment for block in found.blocks for segment in block} <= set(range(left))
+
+
+def test_who_waits_for_the_compiler_is_told_once(made_library, monkeypatch, capsys) -> None:
+    library = made_library(20)
+    goal = requested(library, duration_s=8.0)
+    search = Search(goal=goal, repertoire=Repertoire(library, goal.preset), annealing=SHORT)
+    monkeypatch.setattr(sys, "ps1", ">>> ", raising=False)
+    monkeypatch.setattr(chain, "_TO_BE_TOLD", Lock())
+    for is_compiled, told in ((True, ""), (False, f"{kernel.COMPILING}\n"), (False, "")):
+        monkeypatch.setattr(kernel, "is_compiled", lambda known=is_compiled: known)
+        search.run(np.random.default_rng(0))
+        assert capsys.readouterr().out == told
+
+
+def test_a_search_that_ran_is_compiled(made_library) -> None:
+    library = made_library(20)
+    goal = requested(library, duration_s=8.0)
+    Search(goal=goal, repertoire=Repertoire(library, goal.preset), annealing=SHORT).run(
+        np.random.default_rng(0)
+    )
+    assert kernel.is_compiled()
 
 
 def test_a_dance_that_breaks_a_rule_is_never_called_within_reach(made_library, monkeypatch) -> None:

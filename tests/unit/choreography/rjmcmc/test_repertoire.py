@@ -179,3 +179,19 @@ def test_a_mask_of_limits_alone_wants_nothing_of_the_cost(library) -> None:
     assert known.size == 24
     assert known.measures(((0, 1, 2),)).blocks["mask"] == (0.0,)
     assert known.protected.tolist() == [HAND]
+
+
+def test_the_compiler_sees_one_type_whether_arrays_lie_on_disk_or_not_and_whatever_is_spared(
+    library, mask
+) -> None:
+    import numba
+
+    on_disk = library.successors.view()
+    on_disk.flags.writeable = False
+    mapped = replace(library, successors=on_disk, sha256="3" * 64)
+    kinds = {
+        numba.typeof(repertoire(one, STUDYKIT, spared, ()).tables)
+        for one in (library, mapped)
+        for spared in (None, mask)
+    }
+    assert len(kinds) == 1
