@@ -87,6 +87,12 @@ def course(folder: Path, root: Path, conditions: Sequence[str]) -> Course:
     """
     recordings = _recordings(folder, root, conditions)
     scans = _scans(folder.parent)
+    if not any(_danced(recording.steps) for recording in recordings):
+        raise InputError(
+            f'no trial_type is "{PERFORM}"',
+            where=recordings[0].events if recordings else folder,
+            remedy=f'write "{PERFORM}" for dancing along with the guide',
+        )
     whole = next((r for r in recordings if r.motion is None and len(_danced(r.steps)) > 1), None)
     if whole is not None:
         steps = _numbered(whole.steps)
@@ -100,12 +106,6 @@ def course(folder: Path, root: Path, conditions: Sequence[str]) -> Course:
         placed = [[_moved(step, zero) for step in r.steps] for r, zero in zip(recordings, zeros, strict=True)]
         steps = _numbered([step for one in placed for step in one])
         films = _films(recordings, zeros, [[_same(step, steps) for step in one] for one in placed])
-    if not _danced(steps):
-        raise InputError(
-            f'no trial_type is "{PERFORM}"',
-            where=recordings[0].events if recordings else folder,
-            remedy=f'write "{PERFORM}" for dancing along with the guide',
-        )
     known = {_key(r.events): zero for r, zero in zip(others, zeros, strict=True) if zero is not None}
     return Course(
         steps=tuple(_judged(step, films, scans) for step in steps), films=films, zeros_s=known, scans=scans
