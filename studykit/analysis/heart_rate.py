@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,6 +12,14 @@ import numpy as np
 from studykit.core.arrays import Floats
 
 Formula = Literal["tanaka", "fox"]
+Maximum = Literal["tanaka", "fox", "measured"]
+
+VIGOROUS_RESERVE = 0.6
+"""Share of the heart-rate reserve from which exercise is vigorous (Garber et al. 2011)."""
+SETTLED_S = 60.0
+"""The end of a rest that counts for the resting heart rate, s: before, the heart is still falling."""
+RECOVERY_S = 60.0
+"""When the recovery of the heart rate is read, s after the effort (Cole et al. 1999)."""
 
 # A threshold such as 0.7 x 190 bpm is not exact in binary; a reading equal to it on paper counts.
 _ROUNDING_BPM = 1e-9
@@ -75,6 +84,17 @@ def maximum(age: float, formula: Formula) -> float:
     if formula not in predicted:
         raise ValueError(f'formula is "{formula}", expected "tanaka" or "fox"')
     return predicted[formula]
+
+
+def at_reserve(share: float, *, resting_bpm: float, maximum_bpm: float) -> float:
+    """Give the heart rate at a share of the way from rest to the maximum (Karvonen et al. 1957).
+
+    Examples
+    --------
+    >>> at_reserve(0.6, resting_bpm=60.0, maximum_bpm=190.0)
+    138.0
+    """
+    return resting_bpm + share * (maximum_bpm - resting_bpm)
 
 
 def held(
@@ -188,3 +208,94 @@ def seconds_at_or_above(
     part = held(times_s, heart_rate_bpm, longest_gap_s=longest_gap_s, start_s=start_s, stop_s=stop_s)
     above = part.heart_rate_bpm >= threshold_bpm - _ROUNDING_BPM
     return ZoneTime(seconds=float(part.seconds[above].sum()), counted_s=float(part.seconds.sum()))
+
+
+def zones(
+    times_s: Floats,
+    heart_rate_bpm: Floats,
+    bounds_bpm: Sequence[float],
+    longest_gap_s: float,
+    *,
+    start_s: float = -math.inf,
+    stop_s: float = math.inf,
+) -> tuple[ZoneTime, ...]:
+    """Measure how long the heart rate stood in each zone between bounds.
+
+    Parameters
+    ----------
+    times_s : array_like, shape (reading,), s
+    heart_rate_bpm : array_like, shape (reading,), bpm
+    bounds_bpm : sequence of float
+        Where each zone but the first begins, bpm, rising: shares of `maximum`, or of the reserve by
+        `at_reserve`. A reading on a bound belongs to the zone above.
+    longest_gap_s, start_s, stop_s : float
+        See `held`.
+
+    Returns
+    -------
+    tuple of ZoneTime
+        One more than there are bounds, the easiest zone first.
+    """
+    if np.any(np.diff(bounds_bpm) <= 0.0):
+        raise ValueError("bounds_bpm must rise")
+    part = held(times_s, heart_rate_bpm, longest_gap_s=longest_gap_s, start_s=start_s, stop_s=stop_s)
+    zone = np.searchsorted(np.asarray(bounds_bpm) - _ROUNDING_BPM, part.heart_rate_bpm, side="right")
+    seconds = np.bincount(zone, weights=part.seconds, minlength=len(bounds_bpm) + 1)
+    counted_s = float(part.seconds.sum())
+    return tuple(ZoneTime(seconds=float(one), counted_s=counted_s) for one in seconds)
+
+
+def standing(
+    times_s: Floats, heart_rate_bpm: Floats, moments_s: Floats | float, longest_gap_s: float
+) -> Floats:
+    """Give the heart rate that stood at given moments, NaN where the belt had been silent for too long.
+
+    Parameters
+    ----------
+    times_s : array_like, shape (reading,), s
+    heart_rate_bpm : array_like, shape (reading,), bpm
+    moments_s : array_like, shape (moment,), s
+    longest_gap_s : float
+        How old a reading may be, s.
+
+    Returns
+    -------
+    ndarray, shape (moment,), bpm
+    """
+    readings, moments = np.asarray(heart_rate_bpm, dtype=np.float64), np.asarray(moments_s, dtype=np.float64)
+    is_reading = readings > 0.0
+    known_s, known = np.asarray(times_s, dtype=np.float64)[is_reading], readings[is_reading]
+    if not known.size:
+        return np.full(moments.shape, np.nan)
+    latest = np.searchsorted(known_s, moments, side="right") - 1
+    stands = (latest >= 0) & (moments - known_s[latest] <= longest_gap_s)
+    return np.where(stands, known[latest], np.nan)
+
+
+def resting_bpm(
+    times_s: Floats, heart_rate_bpm: Floats, start_s: float, stop_s: float, longest_gap_s: float
+) -> float:
+    """Give the resting heart rate: the mean over the last minute of a time of rest; see `mean_bpm`."""
+    return mean_bpm(times_s, heart_rate_bpm, max(start_s, stop_s - SETTLED_S), stop_s, longest_gap_s)
+
+
+def recovery_bpm(times_s: Floats, heart_rate_bpm: Floats, stop_s: float, longest_gap_s: float) -> float:
+    """Give by how much the heart rate fell in the minute after an effort.
+
+    Parameters
+    ----------
+    times_s : array_like, shape (reading,), s
+    heart_rate_bpm : array_like, shape (reading,), bpm
+    stop_s : float
+        When the effort ended, s.
+    longest_gap_s : float
+        How old a reading may be, s.
+
+    Returns
+    -------
+    float
+        bpm; NaN if nothing is known at either moment. Above 12 bpm is normal after a maximal test with a slow
+        walk afterwards (Cole et al. 1999, doi 10.1056/NEJM199910283411804).
+    """
+    ended, later = standing(times_s, heart_rate_bpm, np.array([stop_s, stop_s + RECOVERY_S]), longest_gap_s)
+    return float(ended - later)

@@ -166,6 +166,54 @@ TRIALS = TableSchema(
         _truth("simulated", "whether the person or a device was simulated"),
         _text("protocol_sha256", "digest of the protocol"),
         _text("data_sha256", "digest of the recording"),
+        _counted("repetition", "which time this condition was begun in the visit, from 1"),
+        _measured(
+            "heart_rate_resting_bpm",
+            "mean heart rate in the last minute of the visit's baseline",
+            "bpm",
+            maximum=300.0,
+        ),
+        _measured(
+            "heart_rate_recovery_bpm",
+            "fall of the heart rate in the minute after dancing; empty if that minute was no rest",
+            "bpm",
+            minimum=None,
+        ),
+        _measured(
+            "heart_rate_coverage", "share of the heart-rate window for which a reading stood", maximum=1.0
+        ),
+        _measured(
+            "rr_corrected_share",
+            "share of the times between beats in the window that were wrong; empty if the belt sent none",
+            maximum=1.0,
+        ),
+        _measured(
+            "vigorous_fraction_reserve",
+            "share of time at or above 60 % of the heart-rate reserve",
+            maximum=1.0,
+        ),
+        _measured("dtw_arms_m", "as dtw_m, of shoulders, elbows and wrists", "m"),
+        _measured("dtw_legs_m", "as dtw_m, of hips, knees and ankles", "m"),
+        _measured("dtw_trunk_m", "as dtw_m, of neck, head and chest", "m"),
+        _measured("dtw_lag_sd_s", "how unsteadily late the dancer was: standard deviation of the lag", "s"),
+        _measured(
+            "smoothness_ldlj",
+            "log dimensionless jerk, mean of wrists and ankles; nearer to 0 is smoother",
+            minimum=None,
+        ),
+        _measured(
+            "range_of_motion_rad", "how far shoulders, elbows, hips and knees turned on average", "rad"
+        ),
+        _measured(
+            "skeleton_coverage", "share of joints and frames compared in which a joint was seen", maximum=1.0
+        ),
+        _measured(
+            "energy_noise_share",
+            "share of the energy seen that was the camera's trembling, which is taken off; empty if the "
+            "person was not filmed standing still, so that nothing could be taken off",
+            minimum=None,
+            maximum=1.0,
+        ),
     ),
 )
 """One row a trial: one condition performed once."""

@@ -22,6 +22,14 @@ OUTCOMES: tuple[str, ...] = (
     "rotational_energy_danced",
     "variety_achieved",
     "smoothness_rating",
+    "heart_rate_recovery_bpm",
+    "vigorous_fraction_reserve",
+    "dtw_arms_m",
+    "dtw_legs_m",
+    "dtw_trunk_m",
+    "dtw_lag_sd_s",
+    "smoothness_ldlj",
+    "range_of_motion_rad",
 )
 """The columns of trials.csv that hold a measured number and can therefore be tested."""
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
+
+import numpy as np
 
 from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
@@ -96,6 +98,10 @@ class SessionRecord:
         When each reading came.
     heart_rate_bpm : ndarray, shape (reading,), beats/min
         The readings; 0 where the belt had none.
+    beat_times_s : ndarray, shape (beat,), s
+        When each time between beats ended; none if the belt does not send them.
+    beat_intervals_s : ndarray, shape (beat,), s
+        The times between beats (RR), as they came.
     answers : tuple of Answers
         Questionnaires; where one was filled in twice, the later one.
     completed : bool
@@ -124,6 +130,8 @@ class SessionRecord:
     completed: bool
     sha256: str
     frame_files: Mapping[int, FrameFile]
+    beat_times_s: Floats = field(default_factory=lambda: np.empty(0))
+    beat_intervals_s: Floats = field(default_factory=lambda: np.empty(0))
 
     def frames(self, step: int) -> JointTracks:
         """Read the skeleton that was recorded during a step.

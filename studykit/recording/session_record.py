@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from studykit.core.arrays import frozen
+import numpy as np
+
+from studykit.core.arrays import Floats, frozen
 from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_file
 from studykit.motion.motion import JointTracks
@@ -74,7 +76,22 @@ def _read_journal(journal_path: Path) -> SessionRecord:
         completed=records[-1].kind == "session_completed",
         sha256=sha256_of_file(journal_path),
         frame_files=_frame_files(records, journal_path.with_suffix("")),
+        **_beats(readings),
     )
+
+
+def _beats(readings: list[Record]) -> dict[str, Floats]:
+    """Give the times between beats, and when each ended: the last of a message when it came."""
+    times: list[float] = []
+    intervals: list[float] = []
+    for reading in readings:
+        sent = reading.data.get("rr_intervals_s") or ()
+        times += (reading.time_s - np.cumsum([0.0, *sent[:0:-1]])[::-1]).tolist() if sent else ()
+        intervals += sent
+    return {
+        "beat_times_s": frozen(times, shape=(None,), name="beat_times_s"),
+        "beat_intervals_s": frozen(intervals, shape=(None,), name="beat_intervals_s"),
+    }
 
 
 def _steps(records: tuple[Record, ...]) -> tuple[StepRecord, ...]:

@@ -6,23 +6,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from studykit import figures
 from studykit.choreography.dance import Dance
-from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.figures.samples import ORDER
 from studykit.library.dance_file import read_dances
-from studykit.protocol.study_protocol import StudyProtocol
-from studykit.recording.session_record import SessionRecord, StepRecord
 from studykit.recording.study_folder import StudyFolder
 from studykit.reports import drawings
 from studykit.reports.analyse import write
+from studykit.reports.curves import curves
 from studykit.reports.material import Drawing, Material
 from studykit.reports.place import AnyStudy, folder_of
 from studykit.reports.tables_out import write_tables
-from studykit.reports.trial import movement_measures
 from studykit.reports.trials import dances as dance_table
 from studykit.reports.trials import trials
 
@@ -32,8 +27,6 @@ if TYPE_CHECKING:
 __all__ = ["DRAWINGS", "FORMATS", "Drawing", "Material", "chosen", "draw", "material_of", "save"]
 
 FORMATS = ("svg", "pdf", "png")
-
-_CURVE_STEP_S = 0.5
 
 
 def draw(
@@ -131,46 +124,16 @@ def _four_dances(material: Material) -> PaperFigure:
 
 def _strip(dance: Dance, material: Material) -> figures.DanceStrip:
     """Put the curves of everybody who danced a dance to its end beneath it."""
-    times_s = np.arange(_CURVE_STEP_S / 2.0, dance.motion.duration_s, _CURVE_STEP_S)
-    hearts, distances = [], []
-    for record in material.records:
-        steps = [s for s in record.steps if s.phase == "perform" and s.condition == dance.condition]
-        complete = [step for step in steps if step.is_complete]
-        if not complete:
-            continue
-        step = complete[-1]  # a dance that was danced again counts as danced last
-        longest_gap_s = material.protocol.heart_rate.longest_gap_s
-        hearts.append(_standing(record, step.start_s + times_s, longest_gap_s))
-        distances.append(_distances(record, step, dance, material.protocol))
-    shape = (len(hearts), len(times_s))
+    hearts, distances = (
+        curves(material.folder, kind)[dance.condition] for kind in ("heart_rate", "distance")
+    )
     return figures.DanceStrip(
         condition=dance.condition,
         motion=dance.motion,
-        times_s=times_s,
-        heart_rate_bpm=np.reshape(hearts, shape),
-        distance_m=np.reshape(distances, shape),
+        times_s=hearts.times_s,
+        heart_rate_bpm=hearts.values,
+        distance_m=distances.values,
     )
-
-
-def _standing(record: SessionRecord, times_s: Floats, longest_gap_s: float) -> Floats:
-    """Give the heart rate that stood at each moment, NaN where the belt had been silent for too long."""
-    is_reading = record.heart_rate_bpm > 0.0
-    read_s, readings = record.heart_rate_times_s[is_reading], record.heart_rate_bpm[is_reading]
-    latest = np.searchsorted(read_s, times_s, side="right") - 1
-    if not len(read_s):
-        return np.full(len(times_s), np.nan)
-    stands = (latest >= 0) & (times_s - read_s[latest] <= longest_gap_s)
-    return np.where(stands, readings[latest], np.nan)
-
-
-def _distances(record: SessionRecord, step: StepRecord, dance: Dance, protocol: StudyProtocol) -> Floats:
-    """Give the distance between dancer and guide as means over equal stretches of the dance."""
-    movement = movement_measures(record.frames(step.step), step.start_s, dance, protocol)
-    stretches = len(np.arange(_CURVE_STEP_S / 2.0, dance.motion.duration_s, _CURVE_STEP_S))
-    if movement is None:
-        return np.full(stretches, np.nan)
-    by_frame = movement.alignment.distance_by_frame_m
-    return np.array([part.mean() for part in np.array_split(by_frame, stretches)])
 
 
 def _smoothness(material: Material) -> PaperFigure:

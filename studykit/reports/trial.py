@@ -4,82 +4,287 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from studykit.analysis import heart_rate
+from studykit.analysis.beats import Beats, corrected, rates
 from studykit.analysis.common_body import COMMON_WEIGHTS, common_space, resampled, same_front
 from studykit.analysis.dynamic_time_warping import Alignment, align
+from studykit.analysis.smoothness import log_dimensionless_jerk
 from studykit.choreography.dance import Dance
 from studykit.core.arrays import Floats
 from studykit.motion import energy, kinematics
 from studykit.motion.filtering import low_pass, without_gaps
 from studykit.motion.inverse_kinematics import rotations_from_positions
 from studykit.motion.motion import JointTracks
-from studykit.protocol.study_protocol import StudyProtocol
+from studykit.motion.range_of_motion import range_of_motion
+from studykit.motion.skeleton import NEUTRAL_BODY
 from studykit.recording.session_record import SessionRecord, StepRecord
+from studykit.reports.choices import Choices
 
 SHORTEST_BONE_M = 0.08
 """A trembling of 5 mm turns a bone of this length by 4 degrees; what is shorter is not asked how it turns."""
 CUTOFF_HZ = 6.0
 """Faster than this a camera trembles rather than a person dances (Winter 2009)."""
+ENDS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle")
+"""Whose smoothness is measured."""
+MAIN_JOINTS = tuple(
+    f"{side}_{joint}" for joint in ("shoulder", "elbow", "hip", "knee") for side in ("left", "right")
+)
+"""Whose range of motion is averaged."""
 
 _FRONT = ("pelvis", "left_hip", "right_hip", "left_shoulder", "right_shoulder")
+_EFFORTS = ("train", "watch", "perform")
+_FEWEST_FRAMES = 30
+_LONGEST_GAP_S = 1.0  # without sight of a joint, where any lateness is allowed
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class HeartMeasures:
-    """The heart in a trial; NaN where the belt said too little."""
+    """The heart in a trial; NaN where the belt said too little.
+
+    Parameters
+    ----------
+    mean_bpm, peak_bpm : float
+        bpm, in the window.
+    coverage : float
+        Share of the window for which a reading stood.
+    vigorous_fraction, vigorous_fraction_reserve : float
+        Share of the time covered at or above the vigorous share of the maximum, and of the reserve.
+    resting_bpm : float
+        bpm, at the end of the visit's baseline.
+    recovery_bpm : float
+        How much the heart rate fell in the minute after dancing, bpm; NaN if that minute was no rest.
+    corrected_share : float
+        Share of the times between beats in the window that were wrong; NaN if the belt sent none.
+    """
 
     mean_bpm: float
     peak_bpm: float
+    coverage: float
     vigorous_fraction: float
+    vigorous_fraction_reserve: float
+    resting_bpm: float
+    recovery_bpm: float
+    corrected_share: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class BodyMeasures:
+    """How a body moved that was seen as a whole.
+
+    Parameters
+    ----------
+    linear_steps, rotational_steps : ndarray, shape (step, 24), J/kg
+        The energy of each joint from one frame to the next, without the camera's trembling; single steps can
+        therefore be negative.
+    noise_share : float
+        Share of the seen energy that was trembling and was taken off; NaN where nobody was seen standing
+        still, so that nothing could be.
+    smoothness : float
+        Log dimensionless jerk, mean of wrists and ankles.
+    ranges_of_motion : ndarray, shape (24,), rad
+        How far each joint turned.
+    """
+
+    linear_steps: Floats
+    rotational_steps: Floats
+    noise_share: float
+    smoothness: float
+    ranges_of_motion: Floats
+
+    @property
+    def linear_energy(self) -> float:
+        """Energy of travelling joints, J/kg, over all poses."""
+        return max(0.0, float(self.linear_steps.sum()))
+
+    @property
+    def rotational_energy(self) -> float:
+        """Energy of turning joints, J/kg, over all poses."""
+        return max(0.0, float(self.rotational_steps.sum()))
+
+    @property
+    def range_of_motion(self) -> float:
+        """How far shoulders, elbows, hips and knees turned on average, rad."""
+        return float(self.ranges_of_motion[[NEUTRAL_BODY.index(name) for name in MAIN_JOINTS]].mean())
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class MovementMeasures:
-    """The movement in a trial: how far from the guide, and how much energy it had, J per kg."""
+    """The movement in a trial.
+
+    Parameters
+    ----------
+    alignment : Alignment
+        How far from the guide.
+    coverage : float
+        Share of the dance, joint by joint, in which the joints that are compared were seen.
+    body : BodyMeasures or None
+        How the body moved; None where a joint was never seen.
+    """
 
     alignment: Alignment
-    linear_energy: float
-    rotational_energy: float
+    coverage: float
+    body: BodyMeasures | None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Readings:
+    """The heart rate of a visit, from the source that is chosen.
+
+    Parameters
+    ----------
+    times_s, bpm : ndarray, shape (reading,), s and bpm
+        The readings.
+    beat_times_s : ndarray, shape (beat,), s
+        When each time between beats ended.
+    beats : Beats
+        The times between beats, corrected.
+    """
+
+    times_s: Floats
+    bpm: Floats
+    beat_times_s: Floats
+    beats: Beats
+
+    @classmethod
+    def of(cls, record: SessionRecord, choices: Choices) -> Readings:
+        """Take them from a visit; from the belt's own readings where it sent no times between beats."""
+        beats = corrected(record.beat_intervals_s)
+        times, bpm = record.heart_rate_times_s, record.heart_rate_bpm
+        if choices.heart_source == "beats" and len(record.beat_times_s):
+            times, bpm = rates(record.beat_times_s, beats)
+        return cls(times_s=times, bpm=bpm, beat_times_s=record.beat_times_s, beats=beats)
 
 
 def heart_measures(
-    record: SessionRecord, step: StepRecord, protocol: StudyProtocol, *, age: float | None
+    record: SessionRecord, step: StepRecord, choices: Choices, *, readings: Readings | None = None
 ) -> HeartMeasures:
-    """Measure the heart in the protocol's window around a step.
+    """Measure the heart in the chosen window around a step.
 
     Parameters
     ----------
     record : SessionRecord
-        The visit.
+        The visit. Without an age in it (or a measured maximum, if that is chosen) nothing can be vigorous.
     step : StepRecord
         The step in which the dance was performed.
-    protocol : StudyProtocol
-        Gives the window, the maximum's formula, the vigorous threshold and the longest gap.
-    age : float or None
-        Years; without it nothing can be vigorous.
+    choices : Choices
+        Gives the window, the maximum, the vigorous threshold and the longest gap.
+    readings : Readings, optional
+        Those of the visit, if there already.
     """
-    plan = protocol.heart_rate
-    times, bpm = record.heart_rate_times_s, record.heart_rate_bpm
-    start, stop = step.start_s, step.stop_s + (30.0 if plan.window == "perform+30" else 0.0)
-    fraction = np.nan
-    if age is not None:
-        threshold = plan.vigorous_fraction * heart_rate.maximum(age, plan.maximum)
-        zone = heart_rate.seconds_at_or_above(
-            times, bpm, threshold, plan.longest_gap_s, start_s=start, stop_s=stop
-        )
-        fraction = zone.fraction
+    readings = readings or Readings.of(record, choices)
+    times, bpm, gap_s = readings.times_s, readings.bpm, choices.longest_gap_s
+    start, stop = _window(record, step, choices)
+    resting = _resting_bpm(record, readings, gap_s)
+    maximum = _maximum_bpm(record, choices)
+    part = heart_rate.held(times, bpm, longest_gap_s=gap_s, start_s=start, stop_s=stop)
+
+    def fraction(threshold: float) -> float:
+        if not np.isfinite(threshold):
+            return np.nan
+        return heart_rate.seconds_at_or_above(
+            times, bpm, threshold, gap_s, start_s=start, stop_s=stop
+        ).fraction
+
+    within = (readings.beat_times_s > start) & (readings.beat_times_s <= stop)
     return HeartMeasures(
-        mean_bpm=heart_rate.mean_bpm(times, bpm, start, stop, plan.longest_gap_s),
-        peak_bpm=heart_rate.peak_bpm(times, bpm, start, stop, plan.longest_gap_s),
-        vigorous_fraction=fraction,
+        mean_bpm=heart_rate.mean_bpm(times, bpm, start, stop, gap_s),
+        peak_bpm=heart_rate.peak_bpm(times, bpm, start, stop, gap_s),
+        coverage=min(1.0, float(part.seconds.sum()) / (stop - start)) if stop > start else np.nan,
+        vigorous_fraction=fraction(choices.vigorous_fraction * maximum),
+        vigorous_fraction_reserve=fraction(
+            heart_rate.at_reserve(heart_rate.VIGOROUS_RESERVE, resting_bpm=resting, maximum_bpm=maximum)
+        ),
+        resting_bpm=resting,
+        recovery_bpm=_recovery_bpm(record, step, readings, gap_s),
+        corrected_share=float(readings.beats.is_corrected[within].mean()) if within.any() else np.nan,
     )
 
 
+def _window(record: SessionRecord, step: StepRecord, choices: Choices) -> tuple[float, float]:
+    start, stop = step.start_s, step.stop_s
+    if choices.window == "perform+30":
+        stop += 30.0
+    elif choices.window == "watch+perform":
+        earlier = [
+            one.start_s
+            for one in record.steps
+            if one.phase == "watch" and one.period == step.period and one.start_s < step.start_s
+        ]
+        start = earlier[-1] if earlier else start
+    return start, stop
+
+
+def _maximum_bpm(record: SessionRecord, choices: Choices) -> float:
+    told = record.answers_to("demographics") or {}
+    if choices.maximum == "measured":
+        return float(told.get("maximum_heart_rate_bpm") or np.nan)
+    age = told.get("age")
+    return np.nan if age is None else heart_rate.maximum(age, choices.maximum)
+
+
+def _resting_bpm(record: SessionRecord, readings: Readings, longest_gap_s: float) -> float:
+    baseline = [step for step in record.steps if step.phase == "baseline" and step.is_complete]
+    if not baseline:
+        return np.nan
+    start, stop = baseline[-1].start_s, baseline[-1].stop_s
+    return heart_rate.resting_bpm(readings.times_s, readings.bpm, start, stop, longest_gap_s)
+
+
+def _recovery_bpm(record: SessionRecord, step: StepRecord, readings: Readings, longest_gap_s: float) -> float:
+    """Give the recovery, unless another effort began within the minute."""
+    over_s = step.stop_s + heart_rate.RECOVERY_S
+    if any(one.phase in _EFFORTS and step.stop_s <= one.start_s < over_s for one in record.steps):
+        return np.nan
+    return heart_rate.recovery_bpm(readings.times_s, readings.bpm, step.stop_s, longest_gap_s)
+
+
+class Trembling(NamedTuple):
+    """What a camera's trembling adds to the energy of a step, joint by joint, shape (24,), J/kg."""
+
+    linear: Floats
+    rotational: Floats
+
+
+def trembling(still: JointTracks, frame_rate_hz: float) -> Trembling | None:
+    """Tell how much energy a camera sees in somebody who stands still.
+
+    Trembling and movement are independent, so their squared speeds add up: what is seen in somebody who
+    stands still can be taken off what is seen in the same person dancing.
+
+    Parameters
+    ----------
+    still : JointTracks
+        What the camera saw of somebody standing still.
+    frame_rate_hz : float
+        The rate at which dances are measured.
+
+    Returns
+    -------
+    Trembling or None
+        None if it was seen for less than a second, or a joint never.
+    """
+    if len(still) < 2:
+        return None
+    smooth = _smooth(
+        still, np.arange(still.times_s[0], still.times_s[-1], 1.0 / frame_rate_hz), frame_rate_hz
+    )
+    if smooth is None or len(smooth) < frame_rate_hz:
+        return None
+    linear, rotational = _steps(smooth, _rotations(smooth), frame_rate_hz)
+    return Trembling(linear.mean(axis=0), rotational.mean(axis=0))
+
+
 def movement_measures(
-    tracks: JointTracks, start_s: float, dance: Dance, protocol: StudyProtocol
+    tracks: JointTracks,
+    start_s: float,
+    dance: Dance,
+    choices: Choices,
+    *,
+    noise: Trembling | None = None,
 ) -> MovementMeasures | None:
     """Compare what a camera saw with the dance that was shown; None where it never saw the body's front.
 
@@ -91,20 +296,45 @@ def movement_measures(
         When the dance began, s.
     dance : Dance
         What was shown.
-    protocol : StudyProtocol
-        Gives how early or late a dancer may be.
+    choices : Choices
+        Gives how early or late a dancer may be, and what the distance is.
+    noise : Trembling, optional
+        What the camera's trembling adds to the energy.
     """
     rate = dance.motion.frame_rate_hz
     grid = start_s + np.arange(len(dance.motion)) / rate
-    seen = resampled(tracks, grid, longest_gap_s=protocol.movement.band_s)
+    seen = resampled(tracks, grid, longest_gap_s=choices.band_s or _LONGEST_GAP_S)
     front = [place for place, name in enumerate(tracks.joint_names) if name in _FRONT]
     if not np.isfinite(seen[:, front]).all(axis=(1, 2)).any():
         return None
     guide, danced = _guide(dance), common_space(seen, tracks.joint_names, frame_rate_hz=rate)
-    band = round(protocol.movement.band_s * rate)
-    alignment = align(guide, same_front(guide, danced, band), band, COMMON_WEIGHTS, frame_rate_hz=rate)
-    linear, rotational = _energies(without_gaps(tracks.times_s, tracks.positions, grid), rate)
-    return MovementMeasures(alignment=alignment, linear_energy=linear, rotational_energy=rotational)
+    band = None if choices.band_s is None else round(choices.band_s * rate)
+    turned = same_front(guide, danced, len(guide) if band is None else band)
+    weights = COMMON_WEIGHTS if choices.definition == "mean_joint_distance" else None
+    smooth = _smooth(tracks, grid, rate)
+    return MovementMeasures(
+        alignment=align(guide, turned, band, weights, frame_rate_hz=rate, definition=choices.definition),
+        coverage=float(np.isfinite(danced).all(axis=-1).mean()),
+        body=None if smooth is None else _body_measures(smooth, rate, noise),
+    )
+
+
+def _body_measures(smooth: Floats, rate: float, noise: Trembling | None) -> BodyMeasures:
+    rotations = _rotations(smooth)
+    linear, rotational = _steps(smooth, rotations, rate)
+    share = np.nan
+    if noise is not None:
+        seen = linear.sum() + rotational.sum()
+        linear, rotational = linear - noise.linear, rotational - noise.rotational
+        share = min(1.0, 1.0 - (linear.sum() + rotational.sum()) / seen) if seen > 0.0 else np.nan
+    ends = [NEUTRAL_BODY.index(name) for name in ENDS]
+    return BodyMeasures(
+        linear_steps=linear,
+        rotational_steps=rotational,
+        noise_share=share,
+        smoothness=float(log_dimensionless_jerk(smooth[:, ends] - smooth[:, :1], rate).mean()),
+        ranges_of_motion=range_of_motion(rotations),
+    )
 
 
 @lru_cache(maxsize=8)
@@ -115,17 +345,18 @@ def _guide(dance: Dance) -> Floats:
     return common_space(positions, motion.skeleton.joint_names, frame_rate_hz=motion.frame_rate_hz)
 
 
-def _energies(positions: Floats, rate: float) -> tuple[float, float]:
-    """Energies of a seen movement, without the camera's trembling; NaN where a joint was never seen."""
-    if not np.all(np.isfinite(positions)):
-        return np.nan, np.nan
-    smooth = low_pass(positions, CUTOFF_HZ, rate)
-    centred = smooth - smooth[:, :1]
-    return (
-        float(energy.linear_energy(centred, rate).sum()),
-        float(
-            energy.rotational_energy(
-                rotations_from_positions(smooth, shortest_bone_m=SHORTEST_BONE_M), rate
-            ).sum()
-        ),
-    )
+def _smooth(tracks: JointTracks, grid_s: Floats, rate: float) -> Floats | None:
+    """Take the camera's trembling out of a seen movement as far as smoothing can; None if a joint lacks."""
+    positions = without_gaps(tracks.times_s, tracks.positions, grid_s)
+    if len(positions) < _FEWEST_FRAMES or not np.all(np.isfinite(positions)):
+        return None
+    return low_pass(positions, CUTOFF_HZ, rate)
+
+
+def _rotations(smooth: Floats) -> Floats:
+    return rotations_from_positions(smooth, shortest_bone_m=SHORTEST_BONE_M)
+
+
+def _steps(smooth: Floats, rotations: Floats, rate: float) -> tuple[Floats, Floats]:
+    linear = energy.linear_energy_steps(smooth - smooth[:, :1], rate)
+    return linear, energy.rotational_energy_steps(rotations, rate)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,27 +11,34 @@ from studykit.analysis.tables import PACES, TRIALS, check
 from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
-from studykit.core.provenance import sha256_of_value
 from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import read_dances
-from studykit.protocol.condition import Condition
-from studykit.protocol.study_protocol import StudyProtocol
-from studykit.recording.session_record import SessionRecord, StepRecord
 from studykit.reports import readable, verdicts
+from studykit.reports.choices import Choices
+from studykit.reports.measured import MeasuredTrial, measured
 from studykit.reports.place import AnyStudy, folder_of
-from studykit.reports.trial import heart_measures, movement_measures
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def trials(study: AnyStudy, *, progress: Progress = silent) -> pd.DataFrame:
+def trials(
+    study: AnyStudy,
+    *,
+    choices: Choices | None = None,
+    workers: int | None = None,
+    progress: Progress = silent,
+) -> pd.DataFrame:
     """Measure every trial of a study.
 
     Parameters
     ----------
     study : Study, StudyFolder, Path or str
         Where it was recorded.
+    choices : Choices, optional
+        How it is measured; as the protocol says if not given.
+    workers : int, optional
+        Processes that measure; if not given, what joblib's `parallel_config` says. The result is the same.
     progress : Progress
         Told of each visit.
 
@@ -47,19 +54,19 @@ def trials(study: AnyStudy, *, progress: Progress = silent) -> pd.DataFrame:
     InputError
         If nothing was recorded, or nothing of it can be read.
     """
+    folder = folder_of(study)
+    found = measured(folder, choices, workers=workers, progress=progress)
+    if not found:
+        raise InputError("no dance was danced yet", where=folder.path, remedy="run a visit to its end")
+    return table_of(found, read_protocol(folder.protocol).sha256)
+
+
+def table_of(found: Sequence[MeasuredTrial], protocol_sha256: str) -> pd.DataFrame:
+    """Put measured trials into a table, with the verdict whether each counts."""
     import pandas as pd
 
-    folder = folder_of(study)
-    protocol = read_protocol(folder.protocol)
-    shown = readable.dances(folder)
-    records = readable.visits(folder).records
-    rows: list[dict[str, Any]] = []
-    for record in progress(records, label="Measuring visits", total=len(records)):
-        rows.extend(_rows(record, shown, protocol))
-    if not rows:
-        raise InputError("no dance was danced yet", where=folder.path, remedy="run a visit to its end")
-    table = pd.DataFrame(rows, columns=list(TRIALS.column_names)).astype(TRIALS.dtypes)
-    return check(verdicts.across_visits(table, protocol.sha256), TRIALS)
+    table = pd.DataFrame([trial.row for trial in found], columns=list(TRIALS.column_names))
+    return check(verdicts.across_visits(table.astype(TRIALS.dtypes), protocol_sha256), TRIALS)
 
 
 def paces(study: AnyStudy) -> pd.DataFrame:
@@ -102,67 +109,3 @@ def dances(study: AnyStudy | Mapping[str, Dance]) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
-
-
-def _rows(record: SessionRecord, shown: readable.Dances, protocol: StudyProtocol) -> list[dict[str, Any]]:
-    performed = [step for step in record.steps if step.phase == "perform"]
-    last = {
-        step.condition: step.step for step in performed if step.is_complete and step.exclusion_reason is None
-    }
-    return [
-        _row(record, step, shown.shown_to(record, step.condition), protocol, verdicts.of_step(step, last))
-        for step in performed
-    ]
-
-
-def _row(
-    record: SessionRecord,
-    step: StepRecord,
-    dance: Dance | None,
-    protocol: StudyProtocol,
-    exclusion: str | None,
-) -> dict[str, Any]:
-    name = str(step.condition)
-    condition = Condition.parse(name)
-    demographics = record.answers_to("demographics") or {}
-    smoothness = record.answers_to("smoothness", condition=name) or {}
-    period = int(step.period or 1)
-    heart = heart_measures(record, step, protocol, age=demographics.get("age"))
-    measured: dict[str, Any] = {
-        "heart_rate_mean_bpm": heart.mean_bpm,
-        "heart_rate_peak_bpm": heart.peak_bpm,
-        "vigorous_fraction": heart.vigorous_fraction,
-    }
-    movement = None
-    tracks = readable.tracks(record, step) if step.is_complete else None
-    if tracks is not None and dance is not None:
-        movement = movement_measures(tracks, step.start_s, dance, protocol)
-    if movement is not None:
-        measured |= {
-            "dtw_m": movement.alignment.distance_m,
-            "dtw_lag_s": movement.alignment.lag_s,
-            "linear_energy_danced": movement.linear_energy,
-            "rotational_energy_danced": movement.rotational_energy,
-        }
-    file = record.frame_files.get(step.step)
-    return {
-        "participant": record.participant,
-        "session": record.session,
-        "sequence": record.sequence,
-        "period": period,
-        "condition": name,
-        "intensity": condition.intensity,
-        "variety": condition.variety,
-        "transition": condition.transition,
-        "previous_condition": record.conditions[period - 2] if period > 1 else None,
-        "is_valid": exclusion is None,
-        "exclusion_reason": exclusion,
-        **measured,
-        "linear_energy_asked": dance.achieved_blended.linear_energy if dance else np.nan,
-        "rotational_energy_asked": dance.achieved_blended.rotational_energy if dance else np.nan,
-        "variety_achieved": dance.achieved.variety if dance else np.nan,
-        "smoothness_rating": smoothness.get("rating", np.nan),
-        "simulated": record.simulated,
-        "protocol_sha256": record.protocol_sha256,
-        "data_sha256": sha256_of_value([record.sha256, file.sha256 if file else None]),
-    }

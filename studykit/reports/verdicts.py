@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 OTHER_PROTOCOL = "recorded with another protocol"
 EARLIER_VISIT = "danced in an earlier visit"
 SAME_RECORDING = "the same recording as another participant's"
+TOO_LITTLE_SEEN = "heart rate or skeleton seen for too short a time"
 
 _FINGERPRINT = ["condition", "dtw_m", "linear_energy_danced", "rotational_energy_danced"]
 

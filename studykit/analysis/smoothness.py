@@ -1,0 +1,46 @@
+"""How smoothly somebody moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from studykit.core.arrays import Floats
+
+
+def log_dimensionless_jerk(positions: Floats, frame_rate_hz: float) -> Floats:
+    """Tell how smoothly points move, whatever the size and the duration of the movement.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (frame, point, 3), m
+        Without gaps; what a camera trembles must be taken out before.
+    frame_rate_hz : float
+        Frames a second.
+
+    Returns
+    -------
+    ndarray, shape (point,)
+        Nearer to 0 is smoother; a point that keeps its speed, or stands still, has no jerk: NaN.
+
+    Notes
+    -----
+    -ln(T^3 / v^2 x integral of |jerk|^2), with T the duration and v the highest speed: the LDLJ of
+    Balasubramanian et al. 2015 (doi 10.1186/s12984-015-0090-9). It falls with duration (a movement twice as
+    long, of twice as many equal parts, has 3 ln 2 + ln 2 less), so only movements of one length compare.
+
+    Examples
+    --------
+    One swing of a pendulum, x = cos(2 pi t / T), has -ln((2 pi)^4 / 2) = -6.66.
+
+    >>> swing = np.cos(np.linspace(0.0, 2.0 * np.pi, 601))[:, None, None] * np.array([1.0, 0.0, 0.0])
+    >>> log_dimensionless_jerk(swing, 100.0).round(2).tolist()
+    [-6.66]
+    """
+    velocities = np.gradient(positions, 1.0 / frame_rate_hz, axis=0)
+    jerks = np.diff(positions, n=3, axis=0) * frame_rate_hz**3
+    peak_squared = np.sum(velocities**2, axis=-1).max(axis=0)
+    duration_s = (len(positions) - 1) / frame_rate_hz
+    cost = np.sum(jerks**2, axis=(0, 2)) / len(jerks) * duration_s
+    with np.errstate(divide="ignore", invalid="ignore"):
+        measure = -np.log(duration_s**3 / peak_squared * cost)
+    return np.where(np.isfinite(measure), measure, np.nan)
