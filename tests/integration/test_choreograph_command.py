@@ -92,6 +92,7 @@ class Asked:
             asked=measures,
             weights=goal.objective(library).weights,
             blocks=tuple(replace(self.dance.blocks[0], asked=block.measures) for block in goal.blocks),
+            library_sha256=library.sha256,
             is_interrupted=is_stopped,
         )
 
