@@ -59,7 +59,7 @@ def meeting_segments(dance: Dance) -> PaperFigure:
         left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
         _draw_poses(left, poses[join], distances[join], hand)
         left.set_title(
-            f"{style.title(dance)}\nfrom {names[join]} to {names[join + 1]}: "
+            style.title(dance).replace(", ", ",\n") + f"\n{names[join]} to {names[join + 1]}: "
             f"Δ = {1000.0 * dance.displacements_m[join]:.0f} mm",
             fontweight="bold",
         )
@@ -121,7 +121,7 @@ def _draw_distances(axes: Axes, distances: Floats, hand: int) -> None:
     axes.set_yticks(rows, [JOINT_NAMES[joint].replace("_", " ") for joint in order], fontsize=5.5)
     axes.set(xlim=(0.0, None), ylim=(-0.8, len(order) - 0.2))
     axes.tick_params(axis="y", length=0.0)
-    axes.set_xlabel("Jump of the joint (mm)")
+    axes.set_xlabel("Jump (mm)")
 
 
 def _explain(figure: PaperFigure) -> None:

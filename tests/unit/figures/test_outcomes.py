@@ -9,6 +9,7 @@ import pytest
 from scipy.stats import t
 
 from studykit import figures
+from studykit.core.errors import InputError
 from studykit.figures.style import SIMULATED
 
 Draw = Callable[[pd.DataFrame], Any]
@@ -18,6 +19,12 @@ OUTCOMES = [
     (figures.smoothness_by_condition, "smoothness_rating"),
     (figures.movement_against_variety, "dtw_m"),
     (figures.heart_rate_against_energy, "heart_rate_mean_bpm"),
+    (
+        lambda trials: figures.declared_outcomes(
+            trials, [("dtw_m", "Distance (m)", trials["condition"][::2])]
+        ),
+        "dtw_m",
+    ),
 ]
 
 
@@ -87,3 +94,28 @@ def test_the_question_and_its_scale_are_named(made_trials: Callable[..., pd.Data
 def test_a_question_with_dollars_is_no_formula(made_trials: Callable[..., pd.DataFrame]) -> None:
     figure = figures.smoothness_by_condition(made_trials(), question="It was worth $5_ or {$6.")
     assert figure.file_bytes("svg")
+
+
+def test_every_declared_outcome_has_a_panel_with_its_conditions(
+    made_trials: Callable[..., pd.DataFrame],
+) -> None:
+    trials = made_trials()
+    every = list(trials["condition"].unique())
+    declared = [
+        ("dtw_m", "Distance (m)", every[:2]),
+        ("heart_rate_mean_bpm", "Heart rate (beats/min)", every[::2]),
+        ("smoothness_rating", "Smoothness", every),
+    ]
+    figure = figures.declared_outcomes(trials.assign(heart_rate_mean_bpm=np.nan), declared)
+    assert [axes.get_ylabel() for axes in figure.axes] == ["Distance (m)", "Smoothness"]
+    assert [len(axes.get_xticks()) for axes in figure.axes] == [2, 8]
+    assert figure.axes[1].get_xticklabels()[1].get_text() == "Light\nEasy\noff"
+
+
+def test_nothing_declared_and_nothing_measured_are_told_apart(
+    made_trials: Callable[..., pd.DataFrame],
+) -> None:
+    with pytest.raises(InputError, match="no test is declared"):
+        figures.declared_outcomes(made_trials(), [])
+    with pytest.raises(InputError, match="no valid trial has a value of dtw_m"):
+        figures.declared_outcomes(made_trials().assign(is_valid=False), [("dtw_m", "", ["light-easy-on"])])

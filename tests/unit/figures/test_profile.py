@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from studykit.core.errors import InputError
-from studykit.figures import energy_profile, style
+from studykit.figures import PeopleCurve, energy_profile, style
 from studykit.figures.profile import profile
 from studykit.motion import energy
 from studykit.motion.joint_mask import spare
@@ -105,3 +105,34 @@ def test_a_profile_says_what_is_made_up_and_refuses_nonsense(made_dance) -> None
     for window_s in (0.0, -1.0, float("nan")):
         with pytest.raises(InputError, match="a window of"):
             energy_profile([made_dance()], window_s=window_s)
+
+
+def people(dance, *, label: str = "Heart rate", level: float = 100.0) -> PeopleCurve:
+    times_s = np.arange(0.25, dance.motion.duration_s, 0.5)
+    return PeopleCurve(
+        label=label, times_s=times_s, values=level + times_s + np.array([[-1.0], [1.0], [np.nan]])
+    )
+
+
+def test_people_have_a_row_below_with_their_mean(made_dance) -> None:
+    dances = [made_dance("A"), made_dance("C")]
+    curves = [people(dances[0]), people(dances[1], level=120.0)]
+    figure = energy_profile(dances, people=[[curve] for curve in curves], simulated=True)
+    assert style.SIMULATED in figure.marks
+    assert len(figure.axes) == 6
+    for axes, curve, level in zip(figure.axes[4:], curves, (100.0, 120.0), strict=True):
+        assert np.asarray(line(axes, "people").get_ydata()) == pytest.approx(level + curve.times_s)
+    assert figure.axes[4].get_ylim() == figure.axes[5].get_ylim()
+    assert figure.axes[4].get_ylim()[0] > 50.0  # a heart does not begin at zero
+
+
+def test_only_the_measures_asked_for_are_shown(made_dance) -> None:
+    figure = energy_profile([made_dance("ABCA", blocks=2)], measures=("variety",))
+    assert [axes.get_ylabel() for axes in figure.axes] == ["Variety (mean\nfeature distance)"]
+
+
+def test_curves_of_some_dances_only_are_refused(made_dance) -> None:
+    dances = [made_dance("A"), made_dance("C")]
+    for curves in ([[people(dances[0])]], [[people(dances[0])], [people(dances[1], label="Distance")]]):
+        with pytest.raises(InputError, match="not every dance has the same curves"):
+            energy_profile(dances, people=curves)
