@@ -121,46 +121,56 @@ class RandomIntercept:
     Raises
     ------
     ValueError
-        If the data cannot tell differences between people from those within them, or the model leaves
-        nothing unexplained.
+        If there are too few trials, the data cannot tell differences between people from those within them,
+        or the model leaves nothing unexplained.
 
     Notes
     -----
-    The residual contrasts K'y, with K an orthonormal basis of what the columns do not reach, are independent
-    after a rotation by the eigenvectors of K'ZZ'K: with eigenvalues d their variances are
-    within + between d. The restricted likelihood is then a sum over them, and with the ratio
-    between / within profiled its maximum is the root of one function of one number (Patterson & Thompson
-    1971; Kang et al. 2008, doi 10.1534/genetics.107.080101). Degrees of freedom: Satterthwaite 1946 with the
-    observed information of the two variances, for several directions Fai & Cornelius 1996
-    (doi 10.1080/00949659608811740), as in lmerTest (Kuznetsova et al. 2017, doi 10.18637/jss.v082.i13).
+    What the columns do not reach of the outcome falls into independent parts: one for every eigenvector of
+    what they do not reach of the people's membership, with the variance within + between d for its
+    eigenvalue d, and the rest, with the variance within alone. The restricted likelihood is a sum over them,
+    and with the ratio between / within profiled its maximum is the root of one function of one number
+    (Patterson & Thompson 1971; Kang et al. 2008, doi 10.1534/genetics.107.080101). Degrees of freedom:
+    Satterthwaite 1946 with the observed information of the two variances, for several directions Fai &
+    Cornelius 1996 (doi 10.1080/00949659608811740), as in lmerTest (Kuznetsova et al. 2017,
+    doi 10.18637/jss.v082.i13).
     """
 
     def __init__(self, design: Floats, values: Floats, people: Integers) -> None:
         membership = (people[:, None] == np.arange(people.max() + 1)).astype(np.float64)
-        rank = design.shape[1]
-        orthogonal = np.linalg.qr(design, mode="complete")[0]
-        unreached = orthogonal[:, rank:]
-        rotated = unreached.T @ membership
-        eigenvalues, vectors = np.linalg.eigh(rotated @ rotated.T)
-        self._d = np.where(eigenvalues > 1e-9, eigenvalues, 0.0)
-        self._squares = (vectors.T @ (unreached.T @ values)) ** 2
-        if not len(self._d) or np.ptp(self._d) < 1e-9:
-            raise ValueError("differences between people cannot be told from differences within them")
-        if self._squares.sum() <= 1e-20 * float(values @ values):
-            raise ValueError("the model leaves nothing unexplained")
+        self._divide(design, values, membership)
         ratio = self._best_ratio()
-        self.within = float(np.mean(self._squares / (1.0 + ratio * self._d)))
+        self.within = float(np.sum(self._squares / (1.0 + ratio * self._d)) / self._counts.sum())
         self.between = ratio * self.within
         self.is_singular = ratio == 0.0
         self._estimate(design, values, membership)
 
+    def _divide(self, design: Floats, values: Floats, membership: Floats) -> None:
+        """Find the parts: sum of squares, number of contrasts and eigenvalue of each; the rest is first."""
+        reached = np.linalg.qr(design)[0]
+        residual = values - reached @ (reached.T @ values)
+        around = membership - reached @ (reached.T @ membership)
+        eigenvalues, vectors = np.linalg.eigh(around.T @ around)
+        between = eigenvalues > 1e-9
+        axes = around @ (vectors[:, between] / np.sqrt(eigenvalues[between]))
+        along = axes.T @ residual
+        rest = residual - axes @ along
+        self._d = np.concatenate(([0.0], eigenvalues[between]))
+        self._squares = np.concatenate(([rest @ rest], along**2))
+        left = len(values) - design.shape[1]
+        self._counts = np.concatenate(([left - len(along)], np.ones(len(along))))
+        if left < 1:
+            raise ValueError(f"the model has as many terms as there are trials, {len(values)}")
+        if not len(along) or not self._counts[0]:
+            raise ValueError("differences between people cannot be told from differences within them")
+        if residual @ residual <= 1e-20 * float(values @ values):
+            raise ValueError("the model leaves nothing unexplained")
+
     def _score(self, ratio: float) -> float:
         """Slope of -2 log likelihood over the ratio of the variances."""
-        spread = 1.0 + ratio * self._d
-        weighted = self._squares / spread
-        return float(
-            np.sum(self._d / spread) - len(spread) * (weighted @ (self._d / spread)) / weighted.sum()
-        )
+        share = self._d / (1.0 + ratio * self._d)
+        weighted = self._squares / (1.0 + ratio * self._d)
+        return float(share.sum() - self._counts.sum() * (weighted @ share) / weighted.sum())
 
     def _best_ratio(self) -> float:
         from scipy.optimize import brentq
@@ -168,9 +178,9 @@ class RandomIntercept:
         # The profile may have more than one turn in unbalanced data: look for the lowest one on a grid first.
         grid = np.concatenate(([0.0], np.geomspace(1e-8, _LARGEST_RATIO, 161)))
         spread = 1.0 + grid[:, None] * self._d
-        deviance = np.log(spread).sum(axis=1) + spread.shape[1] * np.log((self._squares / spread).sum(axis=1))
-        lowest = int(np.argmin(deviance))
-        if lowest == 0 and self._score(0.0) >= 0.0:
+        weighted = (self._squares / spread).sum(axis=1)
+        lowest = int(np.argmin(np.log(spread).sum(axis=1) + self._counts.sum() * np.log(weighted)))
+        if lowest <= 1 and self._score(0.0) >= 0.0:
             return 0.0
         low, high = grid[max(lowest - 1, 0)], grid[min(lowest + 1, len(grid) - 1)]
         if self._score(high) <= 0.0:
@@ -193,7 +203,7 @@ class RandomIntercept:
         slopes = [weighted.T @ weighted, weighted_sums.T @ weighted_sums]
         self._slopes = [self.covariance @ slope @ self.covariance for slope in slopes]
         variances = self.within + self.between * self._d
-        curvature = (2.0 * self._squares / variances - 1.0) / variances**2
+        curvature = (2.0 * self._squares / variances - self._counts) / variances**2
         powers = np.vstack((np.ones_like(self._d), self._d))
         information = 0.5 * (powers * curvature) @ powers.T
         if self.is_singular:
@@ -219,19 +229,19 @@ class RandomIntercept:
         confidence : float
             Coverage of the interval, 0 to 1.
         """
-        from scipy.stats import t as student
+        from scipy.special import stdtr, stdtrit
 
         estimate = float(direction @ self.estimates)
         error = float(np.sqrt(direction @ self.covariance @ direction))
         freedom = self._degrees_of_freedom(direction)
-        reach = error * float(student.ppf(0.5 + confidence / 2.0, freedom))
+        reach = error * float(stdtrit(freedom, 0.5 + confidence / 2.0))
         return Coefficient(
             name=name,
             estimate=estimate,
             standard_error=error,
             degrees_of_freedom=freedom,
             t=estimate / error,
-            p=float(2.0 * student.sf(abs(estimate / error), freedom)),
+            p=float(2.0 * stdtr(freedom, -abs(estimate / error))),
             interval=(estimate - reach, estimate + reach),
         )
 
@@ -245,7 +255,7 @@ class RandomIntercept:
         columns : sequence of int
             Their numbers.
         """
-        from scipy.stats import f as fisher
+        from scipy.special import fdtrc
 
         block = self.covariance[np.ix_(columns, columns)]
         variances, vectors = np.linalg.eigh(block)
@@ -258,7 +268,7 @@ class RandomIntercept:
             f=statistic,
             numerator_df=len(columns),
             denominator_df=freedom,
-            p=float(fisher.sf(statistic, len(columns), freedom)),
+            p=float(fdtrc(len(columns), freedom, statistic)),
         )
 
 

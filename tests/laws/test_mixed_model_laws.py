@@ -203,6 +203,41 @@ def test_data_that_cannot_be_modelled_are_refused_in_words(change: dict[str, obj
         mixed_model(trials.assign(**change), "value", factors=["condition"])
 
 
+def test_more_terms_than_trials_are_refused_in_words() -> None:
+    trials = study(np.random.default_rng(9), people=2, labels=[*"abcdefgh"])
+    with pytest.raises(InputError, match="the model has as many terms as there are trials, 16"):
+        mixed_model(trials, "value", factors=["condition"])
+
+
+@pytest.mark.slow
+def test_intervals_cover_and_tests_err_as_often_as_they_say() -> None:
+    # 1,000 studies of 20 with planted effects of the conditions alone: 95 % and 5 %, three standard errors.
+    rng = np.random.default_rng(10)
+    labels = [f"{a}-{b}-{c}" for a in ("light", "intense") for b in ("easy", "hard") for c in ("off", "on")]
+    planted = dict(zip(labels, (0.0, 1.0, 0.5, 1.5, 3.0, 4.0, 3.5, 4.5), strict=True))
+    covered, errors = [], []
+    for _ in range(1000):
+        trials = study(rng, people=20, labels=labels)
+        trials[["intensity", "variety", "transition"]] = trials["condition"].str.split("-", expand=True)
+        trials["value"] += trials["condition"].map(planted)
+        found = order_effects(trials, "value", factors=["intensity", "variety", "transition"])
+        effects = {
+            "intensity: intense - light": 3.0,
+            "variety: easy - hard": -0.5,
+            "transition: off - on": -1.0,
+        }
+        covered.append(
+            [
+                low <= effects[one.name] <= high
+                for one in found.model.differences
+                for low, high in [one.interval]
+            ]
+        )
+        errors.append([term(found.model, name).p < 0.05 for name in ("period", "sequence", "carry-over")])
+    assert np.mean(covered, axis=0) == pytest.approx(0.95, abs=0.021)
+    assert np.mean(errors, axis=0) == pytest.approx(0.05, abs=0.021)
+
+
 def test_a_column_that_is_not_there_is_named() -> None:
     trials = study(np.random.default_rng(9), people=6, labels=["a", "b"])
     with pytest.raises(InputError, match='there is no column "valu"'):
