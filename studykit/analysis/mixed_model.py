@@ -28,6 +28,10 @@ SINGULAR = (
 )
 
 
+# What says where in the study a trial stood: it is allowed for, and its levels are not compared in pairs.
+_PLACES = frozenset({"period", "sequence"})
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MixedModel:
     """What a linear mixed model with a level for every participant finds.
@@ -336,7 +340,7 @@ def _means(
 def _differences(
     fit: RandomIntercept, term: str, levels: dict[object, Floats], confidence: float
 ) -> list[Coefficient]:
-    if term == "period":
+    if term in _PLACES:
         return []
     return [
         fit.coefficient(f"{term}: {a} - {b}", levels[a] - levels[b], confidence=confidence)
