@@ -51,12 +51,16 @@ report <- function(data, factors, sequence = FALSE) {
     means <- suppressMessages(emmeans(model, as.formula(paste("~", name)), lmer.df = "satterthwaite"))
     as.data.frame(summary(contrast(means, "pairwise"), infer = TRUE, adjust = "none"))
   })
+  # Carry-over at its mean: all its columns zero.
+  at_mean <- setNames(rep(list(0), ncol(after)), colnames(after))
+  periods <- as.data.frame(suppressMessages(emmeans(model, ~period, at = at_mean, lmer.df = "satterthwaite")))
   sds <- as.data.frame(VarCorr(model))$sdcor
   list(data = data, factors = I(factors), estimate = unname(table[, 1]), standard_error = unname(table[, 2]),
        df = unname(table[, 3]), p = unname(table[, 5]), names = rownames(table),
        f = as.list(both("F value", carried[["F value"]])), denominator_df = as.list(both("DenDF", carried$DenDF)),
        numerator_df = as.list(both("NumDF", carried$NumDF)), f_p = as.list(both("Pr(>F)", carried[["Pr(>F)"]])),
-       between_sd = sds[1], within_sd = sds[2], pairs = pairs, is_singular = isSingular(model))
+       between_sd = sds[1], within_sd = sds[2], pairs = pairs, periods = periods,
+       is_singular = isSingular(model))
 }
 
 split_levels <- function(data) {

@@ -72,6 +72,16 @@ def test_order_effects_are_those_of_lmer_with_the_sequence_between_people() -> N
         assert term.f == pytest.approx(expected["f"][name], rel=1e-6)
         assert term.denominator_df == pytest.approx(expected["denominator_df"][name], abs=1e-3)
         assert term.p == pytest.approx(expected["f_p"][name], abs=1e-6)
+    periods = expected["periods"]
+    for mean, period, estimate, freedom, low, high in zip(
+        effects.period_means,
+        *(periods[key] for key in ("period", "emmean", "df", "lower.CL", "upper.CL")),
+        strict=True,
+    ):
+        assert mean.name == f"period: {period}"
+        assert mean.estimate == pytest.approx(estimate, abs=1e-6)
+        assert mean.degrees_of_freedom == pytest.approx(freedom, abs=1e-3)
+        assert mean.interval == pytest.approx((low, high), abs=1e-5)
 
 
 @pytest.mark.parametrize("name", STUDIES)
