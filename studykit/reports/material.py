@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
 from studykit.io.protocol_file import read_protocol
-from studykit.library.dance_file import read_dances
 from studykit.protocol.study_protocol import StudyProtocol
-from studykit.recording.session_record import SessionRecord, read_session
+from studykit.recording.session_record import SessionRecord
 from studykit.recording.study_folder import StudyFolder
+from studykit.reports import readable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,8 +47,8 @@ class Material:
 
     @cached_property
     def dances(self) -> Mapping[str, Dance]:
-        """The dances that were shown."""
-        return read_dances(self.folder.dances)
+        """The dances that were shown, those that can be read."""
+        return readable.dances(self.folder).by_condition
 
     @property
     def every_dance(self) -> tuple[Dance, ...]:
@@ -57,8 +57,8 @@ class Material:
 
     @cached_property
     def records(self) -> tuple[SessionRecord, ...]:
-        """The visits."""
-        return tuple(read_session(path) for path in self.folder.sessions())
+        """The visits that can be read."""
+        return readable.visits(self.folder).records
 
     @cached_property
     def results(self) -> Mapping[str, Any]:

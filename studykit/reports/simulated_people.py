@@ -19,12 +19,16 @@ from studykit.participant.effects import PAPER, Effects, Response
 from studykit.participant.heart_rate_kinetics import Heart
 from studykit.participant.movement import LARGEST_ERROR_M, delays_s
 from studykit.participant.person import Person, cohort
+from studykit.reports.measured import Kind, stretches_s
 from studykit.session.simulated_movement import copy, delayed, own_size
 
-HEART_RATE = "Heart rate\n(beats/min)"
-DISTANCE = "Distance from\nthe guide (DTW, m)"
+LABELS: dict[Kind, str] = {
+    "heart_rate": "Heart rate\n(beats/min)",
+    "distance": "Distance from\nthe guide (DTW, m)",
+}
+"""What the axes of people's curves say."""
 
-_STEP_S, _BAND_S = 0.5, 1.0
+_BAND_S = 1.0
 
 
 def heart_rates(dance: Dance, *, people: int = 12, effects: Effects = PAPER, seed: int = 0) -> PeopleCurve:
@@ -54,9 +58,9 @@ def heart_rates(dance: Dance, *, people: int = 12, effects: Effects = PAPER, see
         heart = Heart(person, rng)
         for name, start_s, _ in block_conditions(dance):
             heart.exert(_planted(effects.effort, name, person.exertion, chance), start_s)
-        return np.array([heart.rate_bpm(time_s) for time_s in _times_s(dance)])
+        return np.array([heart.rate_bpm(time_s) for time_s in stretches_s(dance.motion.duration_s)])
 
-    return _curve(dance, HEART_RATE, one, people=people, seed=seed)
+    return _curve(dance, LABELS["heart_rate"], one, people=people, seed=seed)
 
 
 def distances(dance: Dance, *, people: int = 12, effects: Effects = PAPER, seed: int = 0) -> PeopleCurve:
@@ -78,7 +82,7 @@ def distances(dance: Dance, *, people: int = 12, effects: Effects = PAPER, seed:
     names = dance.motion.skeleton.joint_names
     guide = common_space(joint_positions(dance.motion), names, frame_rate_hz=rate)
     band = round(_BAND_S * rate)
-    stretches = len(_times_s(dance))
+    stretches = len(stretches_s(dance.motion.duration_s))
 
     def one(person: Person, rng: np.random.Generator) -> Floats:
         seen = joint_positions(_danced(dance, person, effects, rng))
@@ -86,7 +90,7 @@ def distances(dance: Dance, *, people: int = 12, effects: Effects = PAPER, seed:
         found = align(guide, danced, band, COMMON_WEIGHTS, frame_rate_hz=rate).distance_by_frame_m
         return np.array([part.mean() for part in np.array_split(found, stretches)])
 
-    return _curve(dance, DISTANCE, one, people=people, seed=seed)
+    return _curve(dance, LABELS["distance"], one, people=people, seed=seed)
 
 
 def block_conditions(dance: Dance) -> tuple[tuple[str, float, float], ...]:
@@ -120,17 +124,13 @@ def _planted(response: Response, condition: str, person: float, trial: float) ->
     return response.expected(condition) + response.person_sd * person + response.trial_sd * trial
 
 
-def _times_s(dance: Dance) -> Floats:
-    return np.arange(_STEP_S / 2.0, dance.motion.duration_s, _STEP_S)
-
-
 def _curve(
     dance: Dance, label: str, one: Callable[[Person, np.random.Generator], Floats], *, people: int, seed: int
 ) -> PeopleCurve:
     values = [
         one(person, stream(seed, "simulated people", label, person.id)) for person in cohort(people, seed)
     ]
-    return PeopleCurve(label=label, times_s=_times_s(dance), values=np.array(values))
+    return PeopleCurve(label=label, times_s=stretches_s(dance.motion.duration_s), values=np.array(values))
 
 
 def _danced(dance: Dance, person: Person, effects: Effects, rng: np.random.Generator) -> Motion:

@@ -17,7 +17,8 @@ from studykit.participant.effects import PAPER
 from studykit.recording.study_folder import StudyFolder
 from studykit.reports import simulated_people
 from studykit.reports.draw import DRAWINGS, Material, draw
-from studykit.reports.drawings import axis_label
+from studykit.reports.paper_drawings import _sparing
+from studykit.reports.review_drawings import axis_label
 from studykit.reports.simulated_people import block_conditions, distances, heart_rates
 from studykit.reports.trials import trials
 
@@ -96,8 +97,6 @@ def test_a_sparing_dance_is_compared_with_one_of_its_own_library(
     own = replace(dance, library_sha256="2" * 64, seed=9)
     spared = replace(own, mask=spare("right_elbow"))
     material = Material(folder=StudyFolder(study), trials=trials(study), further=(spared, own))
-    from studykit.reports.drawings import _sparing
-
     assert _sparing(material) == (spared, own)
 
 
