@@ -29,7 +29,11 @@ def range_of_motion(rotations: Floats) -> Floats:
     the one about which the joint turns most.
     """
     mean = np.linalg.eigh(np.einsum("fji,fjk->jik", rotations, rotations))[1][..., -1]
-    turns = rotation.between(np.broadcast_to(mean, rotations.shape), rotations)
+    away = rotation.multiply(rotation.inverse(mean), rotations)
+    sine = np.linalg.norm(away[..., 1:], axis=-1)
+    # The angle over its sine is 2 where there is no turn; the sign takes the shorter way round.
+    scale = 2.0 * np.arctan2(sine, np.abs(away[..., 0])) / np.where(sine > 0.0, sine, 1.0)
+    turns = away[..., 1:] * (np.sign(away[..., 0]) * scale)[..., None]
     centred = turns - turns.mean(axis=0)
     main = np.linalg.eigh(np.einsum("fji,fjk->jik", centred, centred))[1][..., -1]
     low, high = np.percentile(np.einsum("fji,ji->fj", centred, main), _MIDDLE_PERCENT, axis=0)

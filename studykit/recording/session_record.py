@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from studykit.core.arrays import Floats, frozen
 from studykit.core.errors import InputError
 from studykit.core.provenance import sha256_of_file
@@ -86,7 +84,11 @@ def _beats(readings: list[Record]) -> dict[str, Floats]:
     intervals: list[float] = []
     for reading in readings:
         sent = reading.data.get("rr_intervals_s") or ()
-        times += (reading.time_s - np.cumsum([0.0, *sent[:0:-1]])[::-1]).tolist() if sent else ()
+        first = len(times)
+        ended_s = reading.time_s
+        for interval_s in reversed(sent):
+            times.insert(first, ended_s)
+            ended_s -= interval_s
         intervals += sent
     return {
         "beat_times_s": frozen(times, shape=(None,), name="beat_times_s"),
