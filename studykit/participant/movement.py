@@ -14,6 +14,8 @@ LARGEST_TURN_RAD = 1.0
 
 LARGEST_ERROR_M = 0.135
 """Mean distance from the guide that people of all sizes reach with such turns, m."""
+LEAST_ERROR_M = 0.01
+"""Nobody copies a dance more exactly than this, m."""
 
 _SHORTEST_DELAY_S, _LONGEST_DELAY_S = 0.1, 0.3
 _DELAY_DRIFT_S, _DELAY_DRIFT_TIME_S = 0.02, 8.0

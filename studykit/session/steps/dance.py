@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from studykit.motion.kinematics import joint_positions
-from studykit.participant.movement import LARGEST_ERROR_M
+from studykit.participant.demands import DEMANDS
+from studykit.participant.movement import LARGEST_ERROR_M, LEAST_ERROR_M
 from studykit.session.plan import PlannedStep
 from studykit.session.simulated_movement import perform
 from studykit.session.simulated_participant import SimulatedParticipant
 from studykit.session.step import Reply, ShownDance
-
-_WATCHING = 0.03  # share of the heart-rate reserve
-_LEAST_ERROR_M = 0.01
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class Watch:
         rng: np.random.Generator,  # noqa: ARG002 - looking leaves nothing to chance
     ) -> Reply | None:
         """Stand and look."""
-        participant.exert(_WATCHING, start_s)
+        participant.exert(DEMANDS["watch"], start_s)
         return None
 
 
@@ -53,7 +51,7 @@ class Perform:
         person, effects, condition = participant.person, participant.effects, self.dance.condition
         effort = effects.effort.draw(condition, person.exertion, rng)
         drawn_m = effects.movement_error.draw(condition, -person.skill, rng)
-        error_m = min(max(drawn_m, _LEAST_ERROR_M), LARGEST_ERROR_M)
+        error_m = min(max(drawn_m, LEAST_ERROR_M), LARGEST_ERROR_M)
         participant.exert(effort, start_s)
         danced = perform(self.dance.motion, person, error_m, rng)
         participant.move(joint_positions(danced), start_s=start_s, frame_rate_hz=danced.frame_rate_hz)

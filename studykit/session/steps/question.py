@@ -9,6 +9,7 @@ import numpy as np
 
 from studykit.core.errors import InputError
 from studykit.participant import ratings
+from studykit.participant.demands import ANSWERING_S, DEMANDS
 from studykit.protocol.questionnaire import HIGHEST, LOWEST, PACES, PACES_REVERSED
 from studykit.session.plan import PlannedStep
 from studykit.session.simulated_participant import SimulatedParticipant
@@ -20,9 +21,6 @@ ITEMS: dict[str, tuple[str, ...]] = {
     "demographics": ("age", "sex", "height_m", "weight_kg", "dance_experience_years"),
 }
 """The items of each questionnaire, in their order."""
-
-_SECONDS = {"smoothness": 6.0, "paces": 90.0, "demographics": 30.0}  # a simulated person needs
-_ANSWERING = 0.02  # share of the heart-rate reserve
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class Question:
         self, participant: SimulatedParticipant, *, start_s: float, rng: np.random.Generator
     ) -> Reply | None:
         """Answer as the planted effects say."""
-        participant.exert(_ANSWERING, start_s)
+        participant.exert(DEMANDS[self.planned.phase], start_s)
         person, effects = participant.person, participant.effects
         answers: dict[str, Answer] = {}
         match self.planned.phase:
@@ -51,7 +49,7 @@ class Question:
                 answers.update(ratings.paces(effects, person, rng, reversed_items=PACES_REVERSED))
             case "demographics":
                 answers.update({item: getattr(person, item) for item in ITEMS["demographics"]})
-        return Reply(answers=answers, seconds=_SECONDS[self.planned.phase])
+        return Reply(answers=answers, seconds=ANSWERING_S[self.planned.phase])
 
 
 def check(questionnaire: str, answers: Mapping[str, Answer]) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from studykit.motion.kinematics import joint_positions
+from studykit.participant.demands import DEMANDS
 from studykit.session.plan import PlannedStep
 from studykit.session.simulated_movement import copy
 from studykit.session.simulated_participant import SimulatedParticipant, standing
@@ -14,7 +15,6 @@ from studykit.session.step import Reply
 
 _FRAME_RATE_HZ = 30.0
 _SWAY_M = 0.004  # mean distance of a standing person's joints from their place
-_DEMANDS = {"calibrate": 0.06, "baseline": 0.0, "train": 0.15, "rest": 0.0}  # shares of the reserve
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Quiet:
         self, participant: SimulatedParticipant, *, start_s: float, rng: np.random.Generator
     ) -> Reply | None:
         """Spend little effort; while standing, sway a little."""
-        participant.exert(_DEMANDS[self.planned.phase], start_s)
+        participant.exert(DEMANDS[self.planned.phase], start_s)
         if self.is_filmed:
             frames = max(2, round((self.planned.duration_s or 0.0) * _FRAME_RATE_HZ))
             still = standing(participant.person, frames=frames, frame_rate_hz=_FRAME_RATE_HZ)
