@@ -9,8 +9,9 @@ import numpy as np
 
 from studykit.core.arrays import Floats, Integers
 
-# A variance ratio beyond which the score of the profile is not followed: people explain all but 1e-8 of it.
-_LARGEST_RATIO = 1e8
+# Below the first ratio of the variances people do not differ (lme4 draws the line there too); above the
+# second the trials of one person do not.
+_SMALLEST_RATIO, _LARGEST_RATIO = 1e-8, 1e8
 # What share of a column must be new for it to count as not aliased with the columns before it.
 _NEW = 1e-8
 
@@ -176,16 +177,17 @@ class RandomIntercept:
         from scipy.optimize import brentq
 
         # The profile may have more than one turn in unbalanced data: look for the lowest one on a grid first.
-        grid = np.concatenate(([0.0], np.geomspace(1e-8, _LARGEST_RATIO, 161)))
+        grid = np.concatenate(([0.0], np.geomspace(_SMALLEST_RATIO, _LARGEST_RATIO, 161)))
         spread = 1.0 + grid[:, None] * self._d
         weighted = (self._squares / spread).sum(axis=1)
         lowest = int(np.argmin(np.log(spread).sum(axis=1) + self._counts.sum() * np.log(weighted)))
-        if lowest <= 1 and self._score(0.0) >= 0.0:
-            return 0.0
-        low, high = grid[max(lowest - 1, 0)], grid[min(lowest + 1, len(grid) - 1)]
-        if self._score(high) <= 0.0:
+        if lowest == len(grid) - 1:
             raise ValueError("the model leaves nothing unexplained within people")
-        return float(brentq(self._score, low, high, xtol=1e-15, rtol=1e-13))
+        low, high = grid[max(lowest - 1, 0)], grid[lowest + 1]
+        if not self._score(low) < 0.0 < self._score(high):
+            return 0.0  # the profile rises from zero on, or is so flat there that rounding decides
+        ratio = float(brentq(self._score, low, high, xtol=1e-15, rtol=1e-13))
+        return ratio if ratio > _SMALLEST_RATIO else 0.0
 
     def _estimate(self, design: Floats, values: Floats, membership: Floats) -> None:
         sizes = membership.sum(axis=0)

@@ -113,6 +113,14 @@ def test_people_who_do_not_differ_are_said_in_words() -> None:
     assert any("treated as independent" in note for note in model.notes)
 
 
+def test_where_the_likelihood_is_flat_at_zero_people_do_not_differ() -> None:
+    # Two people, two trials each: between people's means exactly as much as within them.
+    people = np.array([0, 0, 1, 1])
+    fit = random_intercept.RandomIntercept(np.ones((4, 1)), np.array([2.0, 0.0, 0.0, 0.0]), people)
+    assert fit.is_singular
+    assert fit.within == pytest.approx(1.0)
+
+
 def test_what_cannot_be_told_apart_is_said_and_left_out() -> None:
     # Everybody danced a, b, c in this order: period is condition.
     trials = study(np.random.default_rng(2), people=6, labels=["a", "b", "c"])
