@@ -62,7 +62,7 @@ def demo(
     note_compiling()
     dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
     study.simulate(dances, effects=planted, seed=seed, progress=show.progress, workers=2)
-    page = reports.report(out, progress=show.progress)
+    page, pdf = reports.report(out, progress=show.progress)
     results = run(study.protocol.analysis, reports.read_trials(study.folder.derivatives / "trials.csv"))
     if json:
         show.as_json(results.to_dict())
@@ -77,7 +77,7 @@ def demo(
     show.say(
         f"SIMULATED: {len(study.participants)} people who do not exist danced; effects planted: {effects}."
     )
-    show.say(f"  report    {page}")
+    show.say(f"  report    {page}, {pdf.name}")
     show.say(f"  tables    {study.folder.derivatives / 'trials.csv'}, results.json")
     show.say(f"  raw data  {out} (a BIDS data set)")
     show.say()

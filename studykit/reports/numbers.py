@@ -87,3 +87,33 @@ def decimals_for(spread: float) -> int:
     if not math.isfinite(spread) or spread <= 0.0:
         return 2
     return min(6, max(0, 1 - math.floor(math.log10(spread))))
+
+
+def limits(ends: Iterable[float] | None, decimals: int = 2) -> str:
+    """Write an interval of a number that may have any size.
+
+    Examples
+    --------
+    >>> limits((-1.561, 2.3), 1)
+    '[−1.6, 2.3]'
+    """
+    return MISSING if ends is None else f"[{', '.join(number(end, decimals) for end in ends)}]"
+
+
+def anything(value: object) -> str:
+    """Write whatever a result holds: numbers with four digits that count, lists in brackets.
+
+    Examples
+    --------
+    >>> anything(0.012346), anything((1, None)), anything(True)
+    ('0.01235', '[1, –]', 'yes')
+    """
+    if value is None:
+        return MISSING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}".replace("-", _MINUS) if math.isfinite(value) else MISSING
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(anything, value))}]" if value else MISSING
+    return str(value)

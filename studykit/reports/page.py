@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from typing import TYPE_CHECKING, Any
@@ -29,13 +29,15 @@ class Picture:
     problem: str = ""
 
 
-def filled(template: str, **values: Any) -> str:
+def filled(template: str, *, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
     """Fill a template of this room; whatever a value says is shown as text, never as HTML.
 
     Parameters
     ----------
     template : str
         Its file name.
+    filters : mapping of str to callable, optional
+        Beside those of `numbers`.
     **values
         What it asks for; nothing may be missing.
     """
@@ -49,7 +51,7 @@ def filled(template: str, **values: Any) -> str:
         lstrip_blocks=True,
         loader=jinja2.FunctionLoader(lambda name: folder.joinpath(name).read_text(encoding="utf-8")),
     )
-    environment.filters |= {name: getattr(numbers, name) for name in _FILTERS}
+    environment.filters |= {name: getattr(numbers, name) for name in _FILTERS} | dict(filters or {})
     return environment.get_template(template).render(values)
 
 

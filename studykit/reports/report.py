@@ -1,41 +1,50 @@
-"""The whole study as one page: what was done, what came out, and how."""
+"""The whole study as one document, as a page and as a PDF: what was done, what came out, and how."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from studykit.analysis.consistency import check_results
 from studykit.analysis.tables import TRIALS, check
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
-from studykit.motion.body import DEFAULT_BODY_MASS_KG
-from studykit.protocol.condition import ALL_CONDITIONS
-from studykit.protocol.latin_square import assignment, balance
-from studykit.protocol.study_protocol import StudyProtocol
-from studykit.reports import numbers
+from studykit.reports import typeset
 from studykit.reports.analyse import analyse, write
-from studykit.reports.draw import DRAWINGS, Drawing, Material, save
-from studykit.reports.page import embedded, filled, width_mm
+from studykit.reports.document import Document, Figure, Paragraph, Section, Table
+from studykit.reports.draw import DRAWINGS, save
+from studykit.reports.material import Drawing, Material
+from studykit.reports.page import width_mm
 from studykit.reports.place import AnyStudy, folder_of
-from studykit.reports.trials import dances
+from studykit.reports.sections.consort import consort
+from studykit.reports.sections.methods import methods
+from studykit.reports.sections.models import further
+from studykit.reports.sections.outcomes import (
+    at_a_glance,
+    by_condition,
+    correlations,
+    declared_tests,
+    enjoyment,
+)
+from studykit.reports.sections.published import published
+from studykit.reports.sections.quality import quality, shown_dances
+from studykit.reports.sections.study import study as what_was_done
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pandas as pd
 
-_GOALS = ("linear_energy", "rotational_energy", "variety")
-_MEASURED = ("heart_rate_mean_bpm", "dtw_m", "smoothness_rating")
+PAGE, PDF = "report.html", "report.pdf"
 
 
-def report(study: AnyStudy, *, progress: Progress = silent) -> Path:
-    """Analyse a study, draw its figures and write everything as one page that needs nothing else.
+def report(study: AnyStudy, *, progress: Progress = silent) -> tuple[Path, Path]:
+    """Analyse a study, draw its figures and write everything as one page and one PDF that need nothing else.
 
-    Writes `report.html` into the study's `derivatives/studykit`, beside the tables and the figures. Every
-    number on the page comes from those files, the protocol or the dances; the same recordings give the same
-    bytes.
+    Writes `report.html` and `report.pdf` into the study's `derivatives/studykit`, beside the tables and the
+    figures. Every number in them comes from those files, the protocol or the dances, and is checked against
+    the others before anything is written; the same recordings give the same bytes.
 
     Parameters
     ----------
@@ -46,21 +55,23 @@ def report(study: AnyStudy, *, progress: Progress = silent) -> Path:
 
     Returns
     -------
-    Path
-        The page.
+    tuple of Path
+        The page and the PDF.
 
     Raises
     ------
     InputError
-        If nothing was recorded, or the page cannot be written.
+        If nothing was recorded, numbers contradict each other, or a file cannot be written.
     """
     folder = folder_of(study)
     analyse(folder, progress=progress)
     material = Material(folder=folder, trials=read_trials(folder.derivatives / "trials.csv"))
     results = json.loads((folder.derivatives / "results.json").read_text(encoding="utf-8"))
-    page = folder.derivatives / "report.html"
-    write(page, html(material, results, [drawn(drawing, material) for drawing in DRAWINGS]))
-    return page
+    document = composed(material, results, [drawn(drawing, material) for drawing in DRAWINGS])
+    paths = (folder.derivatives / PAGE, folder.derivatives / PDF)
+    write(paths[0], typeset.page(document))
+    write(paths[1], typeset.pdf(document))
+    return paths
 
 
 def read_trials(path: Path) -> pd.DataFrame:
@@ -70,34 +81,27 @@ def read_trials(path: Path) -> pd.DataFrame:
     return check(pd.read_csv(path, dtype=TRIALS.dtypes), TRIALS)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Drawn:
-    """A figure of the report, or why it could not be drawn."""
-
-    drawing: Drawing
-    image: str = ""
-    width_mm: float = 0.0
-    marks: tuple[str, ...] = ()
-    problem: str = ""
-
-
-def drawn(drawing: Drawing, material: Material) -> Drawn:
-    """Draw a figure and save it beside the report."""
+def drawn(drawing: Drawing, material: Material) -> Figure:
+    """Draw a figure and save it beside the report; what keeps it from being drawn is told in its place."""
+    is_numbered = drawing.name[0].isdigit()
+    title = f"Figure {drawing.name} of the paper" if is_numbered else drawing.title
     try:
         figure = drawing.of(material)
     except InputError as error:
-        return Drawn(drawing=drawing, problem=str(error))
-    svg, _ = save(figure, material.folder.figures / drawing.stem)
-    return Drawn(
-        drawing=drawing,
-        image=embedded(svg.read_bytes()),
+        return Figure(name=drawing.stem, title=title, caption=drawing.caption, problem=str(error))
+    svg, *_ = save(figure, material.folder.figures / drawing.stem)
+    marks = "".join(f"{mark.capitalize()}. " for mark in figure.marks)
+    return Figure(
+        name=drawing.stem,
+        title=title,
+        caption=f"{marks}{drawing.caption}",
+        svg=svg.read_bytes(),
         width_mm=width_mm(figure),
-        marks=figure.marks,
     )
 
 
-def html(material: Material, results: dict[str, Any], figures: list[Drawn]) -> str:
-    """Fill the page with what was measured.
+def composed(material: Material, results: dict[str, Any], figures: Sequence[Figure]) -> Document:
+    """Put the sections of a report together, after checking its numbers against each other.
 
     Parameters
     ----------
@@ -105,139 +109,83 @@ def html(material: Material, results: dict[str, Any], figures: list[Drawn]) -> s
         The study and its trials.
     results : dict
         The content of `results.json`.
-    figures : list of Drawn
+    figures : sequence of Figure
         In order.
+
+    Raises
+    ------
+    InputError
+        If numbers contradict each other; it names the first.
     """
-    dances_table = dances({name: material.dances[name] for name in ALL_CONDITIONS if name in material.dances})
-    return filled(
-        "report.html.jinja",
-        protocol=material.protocol,
-        results=results,
-        figures=figures,
-        people=_people(material),
-        balance=str(balance(assignment(material.protocol))),
-        phases=_phases(material.protocol),
-        quality=_quality(material),
-        dances=_dances(dances_table),
-        is_synthetic=bool(dances_table["is_synthetic"].any()),
-        joins=_joins(dances_table),
-        hearts=_by_condition(material),
-        outcomes={column.name: column for column in TRIALS.columns},
-        decimals={test["name"]: _decimals(test) for test in results["tests"]},
-        enjoyment=results["enjoyment"],
-        body_mass_kg=DEFAULT_BODY_MASS_KG,
-        dance_source=_dance_source(material),
+    refuse_contradictions(results, material.trials)
+    sections = (
+        what_was_done(material, results),
+        quality(material),
+        shown_dances(material),
+        by_condition(material),
+        declared_tests(results),
+        correlations(results),
+        *further(results),
+        enjoyment(results),
+        _figures(figures),
+        published(results),
+        methods(material, results),
+        consort(material, results),
     )
+    return Document(
+        title=material.protocol.study.title,
+        subtitle=f"Report of the study {material.protocol.study.name}. Every number comes from the "
+        "recordings, the "
+        "protocol or the dances of this study.",
+        banners=_banners(material, results),
+        summary=(*at_a_glance(results), *_warnings(results)),
+        sections=tuple(section for section in sections if section.blocks or section.sections),
+    ).numbered()
 
 
-def _people(material: Material) -> dict[str, Any]:
-    told = [answers for record in material.records if (answers := record.answers_to("demographics"))]
-    ages = np.array([answers["age"] for answers in told if answers.get("age") is not None], dtype=float)
-    sexes = [answers.get("sex") for answers in told]
-    return {
-        "planned": material.protocol.study.participants,
-        "came": len({record.participant for record in material.records}),
-        "completed": len({record.participant for record in material.records if record.completed}),
-        "age_mean": float(ages.mean()) if len(ages) else None,
-        "age_deviation": float(ages.std(ddof=1)) if len(ages) > 1 else None,
-        "age_range": (int(ages.min()), int(ages.max())) if len(ages) else None,
-        "sexes": {sex: sexes.count(sex) for sex in sorted({sex for sex in sexes if sex})},
-        "devices": sorted({device for record in material.records for device in record.devices.values()}),
-    }
+def refuse_contradictions(results: dict[str, Any], trials: pd.DataFrame) -> None:
+    """Refuse results of which a number contradicts another one or the trials.
 
-
-def _phases(protocol: StudyProtocol) -> list[dict[str, Any]]:
-    """List the phases of a visit as they come, with their lengths in s; None where people take their time."""
-    session, dance_s, rounds = protocol.session, protocol.dance.duration_s, len(protocol.conditions_list())
-    return [
-        {"name": name, "seconds": seconds, "times": times}
-        for name, seconds, times in (
-            ("calibrate", session.calibrate_s, 1),
-            ("baseline", session.baseline_s, 1),
-            ("train", session.train_s, 1),
-            ("watch", dance_s, rounds * session.watch_repetitions),
-            ("perform", dance_s, rounds * session.perform_repetitions),
-            ("rate the smoothness", None, rounds),
-            ("rest", session.rest_s, rounds),
-            ("questions about enjoyment and person", None, 1),
+    Raises
+    ------
+    InputError
+        Naming the first such number.
+    """
+    wrong = [finding for finding in check_results(results, trials) if not finding.is_consistent]
+    if wrong:
+        more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
+        raise InputError(
+            f"{wrong[0].words}{more}",
+            where="results.json",
+            remedy="analyse the study again before reporting it",
         )
-        if times and seconds != 0.0
-    ]
 
 
-def _quality(material: Material) -> dict[str, Any]:
-    table, protocol = material.trials, material.protocol
-    is_valid = table["is_valid"].astype(bool)
-    reasons = table.loc[~is_valid, "exclusion_reason"].value_counts().sort_index()
-    return {
-        "planned": protocol.study.participants
-        * len(protocol.conditions_list())
-        * protocol.session.perform_repetitions,
-        "recorded": len(table),
-        "valid": int(is_valid.sum()),
-        "reasons": {str(reason): int(count) for reason, count in reasons.items()},
-        "excluded": table[~is_valid].to_dict("records"),
-        "without_value": {name: int(table.loc[is_valid, name].isna().sum()) for name in _MEASURED},
-    }
-
-
-def _dances(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Give each dance with its energies in J for the default body mass and how far off its goals it is."""
-    rows = []
-    for row in table.to_dict("records"):
-        named: dict[str, Any] = {str(key): value for key, value in row.items()}
-        ids = str(named["segments"]).split()
-        goals = []
-        for goal in _GOALS:
-            factor = 1.0 if goal == "variety" else DEFAULT_BODY_MASS_KG
-            values = {kind: factor * named[f"{goal}_{kind}"] for kind in ("asked", "achieved", "shown")}
-            goals.append(values | {"off": values["achieved"] / values["asked"] - 1.0})
-        rows.append(named | {"ids": ids, "goals": goals})
-    return rows
-
-
-def _joins(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Compare each dance made with transition cost with the one made without."""
-    jumps = dict(zip(table["condition"], table["join_displacement_m"], strict=True))
-    return [
-        {"cell": cell, "on": jumps[f"{cell}-on"], "off": jumps[f"{cell}-off"]}
-        for cell in dict.fromkeys(str(name).rsplit("-", maxsplit=1)[0] for name in jumps)
-        if {f"{cell}-on", f"{cell}-off"} <= jumps.keys()
-    ]
-
-
-def _by_condition(material: Material) -> list[dict[str, Any]]:
-    """Give heart rate and time at vigorous intensity over participants, condition by condition."""
-    table = material.trials[material.trials["is_valid"].astype(bool)]
-    rows = []
-    for name in sorted(material.protocol.conditions_list(), key=ALL_CONDITIONS.index):
-        some = table[table["condition"] == name]
-        mean = some["heart_rate_mean_bpm"]
-        rows.append(
-            {
-                "condition": name,
-                "n": int(mean.notna().sum()),
-                "mean": float(mean.mean()),
-                "deviation": float(mean.std(ddof=1)),
-                "peak": float(some["heart_rate_peak_bpm"].mean()),
-                "vigorous": float(some["vigorous_fraction"].mean()),
-            }
-        )
-    return rows
-
-
-def _decimals(test: dict[str, Any]) -> int:
-    return numbers.decimals_for(
-        min((summary["standard_deviation"] for summary in test["summaries"]), default=0.0)
+def _figures(figures: Sequence[Figure]) -> Section:
+    """Give the figures, and in one table those that this study has nothing for."""
+    missing = tuple((figure.title, figure.problem) for figure in figures if figure.problem)
+    shown = tuple(figure for figure in figures if not figure.problem)
+    table = Table(
+        title="Figures that could not be drawn.",
+        head=("Figure", "Why not"),
+        rows=missing,
+        text_columns=frozenset({1}),
     )
+    return Section(title="Figures", blocks=(*shown, *([table] if missing else [])))
 
 
-def _dance_source(material: Material) -> dict[str, Any]:
-    shown = material.dances.values()
-    return {
-        "presets": sorted({dance.preset for dance in shown}),
-        "targets_from": sorted({dance.targets_from for dance in shown}),
-        "seeds": sorted({dance.seed for dance in shown}),
-        "libraries": sorted({dance.library_sha256 for dance in shown}),
-        "licences": sorted({segment.licence for dance in shown for segment in dance.segments}),
-    }
+def _banners(material: Material, results: dict[str, Any]) -> tuple[str, ...]:
+    banners = []
+    if results["is_simulated"]:
+        banners.append(
+            "SIMULATED DATA: people or devices in this study were simulated. No number below says anything "
+            "about "
+            "real people."
+        )
+    if any(dance.is_synthetic for dance in material.dances.values()):
+        banners.append("SYNTHETIC MOVEMENT: the dances were made up by a program, not danced by a person.")
+    return tuple(banners)
+
+
+def _warnings(results: dict[str, Any]) -> tuple[Paragraph, ...]:
+    return tuple(Paragraph(words=str(warning), kind="warning") for warning in results.get("warnings") or ())

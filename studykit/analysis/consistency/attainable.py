@@ -168,3 +168,29 @@ def whole_squares(total: int, n: int, items: int, deviations: tuple[float, float
     first = max(least, math.ceil(low - slack))
     first += (first - total) % 2
     return first <= high + slack
+
+
+def p_of_ranks(ranks: Floats, sum_of_positive: float) -> float:
+    """Give Wilcoxon's exact two-sided p of any ranks, ties included, over all signs they could have.
+
+    Parameters
+    ----------
+    ranks : array, shape (person,)
+        Of the sizes of the differences; whole or half.
+    sum_of_positive : float
+        Of those whose difference is positive.
+
+    Examples
+    --------
+    >>> p_of_ranks(np.array([1.5, 1.5, 3.0]), 6.0)
+    0.25
+    """
+    doubled = np.round(2.0 * ranks).astype(np.int64)
+    chances = np.zeros(int(doubled.sum()) + 1)
+    chances[0] = 1.0
+    for weight in doubled.tolist():
+        moved = np.zeros_like(chances)
+        moved[weight:] = chances[: len(chances) - weight]
+        chances = 0.5 * (chances + moved)
+    smaller = min(round(2.0 * sum_of_positive), len(chances) - 1 - round(2.0 * sum_of_positive))
+    return float(min(1.0, 2.0 * chances[: smaller + 1].sum()))

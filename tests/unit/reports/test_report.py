@@ -1,6 +1,10 @@
+"""The report: numbers are bound to the data, text stays text, nothing is fetched, odd studies are told."""
+
 from __future__ import annotations
 
 import base64
+import copy
+import io
 import json
 import re
 from collections.abc import Callable
@@ -8,16 +12,24 @@ from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 from shutil import copytree, rmtree
+from typing import Any
 
+import pypdf
 import pytest
 
 from studykit.analysis import run
+from studykit.analysis.consistency import check_results
+from studykit.core.errors import InputError
 from studykit.recording.study_folder import StudyFolder
-from studykit.reports import numbers
+from studykit.reports import numbers, typeset
 from studykit.reports.analyse import analyse, enjoyment_of
-from studykit.reports.draw import DRAWINGS, Material
-from studykit.reports.report import drawn, html, read_trials, report
+from studykit.reports.document import Document, Figure, Flow, Paragraph, Section, Stage, Table, bold, italic
+from studykit.reports.draw import DRAWINGS
+from studykit.reports.material import Material
+from studykit.reports.report import composed, drawn, read_trials, report
 from studykit.reports.trials import paces
+
+HOSTILE = '<script>alert("1")</script> #panic("no") $x$ \\ _a_ *b* [c] "d"'
 
 
 class Page(HTMLParser):
@@ -36,24 +48,47 @@ class Page(HTMLParser):
         self.words.append(data)
 
 
+def words_of(text: str) -> str:
+    return " ".join(" ".join(Page(text).words).split())
+
+
+def words_of_pdf(content: bytes) -> str:
+    reader = pypdf.PdfReader(io.BytesIO(content))
+    return " ".join(" ".join(page.extract_text() for page in reader.pages).split())
+
+
+@pytest.fixture(scope="module")
+def untouched(folder: StudyFolder) -> tuple[Material, dict[str, Any]]:
+    """Give what was found in that study; only to be read."""
+    return found(folder)
+
+
 @pytest.fixture(scope="module")
 def folder(_recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     """Give a study that has been analysed; only to be read."""
-    copy = StudyFolder(Path(copytree(_recorded, tmp_path_factory.mktemp("analysed") / "small")))
-    analyse(copy)
-    return copy
+    copied = StudyFolder(Path(copytree(_recorded, tmp_path_factory.mktemp("analysed") / "small")))
+    analyse(copied)
+    return copied
 
 
-def page_of(folder: StudyFolder, **changes: object) -> str:
-    """Give the page, without figures, after something was changed in the table of trials."""
+def found(folder: StudyFolder) -> tuple[Material, dict[str, Any]]:
     material = Material(folder=folder, trials=read_trials(folder.derivatives / "trials.csv"))
+    return material, json.loads((folder.derivatives / "results.json").read_text(encoding="utf-8"))
+
+
+def document_of(folder: StudyFolder, **changes: object) -> Document:
+    """Give the report, without figures, after something was changed in the table of trials."""
+    material, results = found(folder)
     for column, value in changes.items():
         material.trials.loc[0, column] = value
     if changes.get("simulated") is False:
         material.trials["simulated"] = False
-    results = json.loads((folder.derivatives / "results.json").read_text(encoding="utf-8"))
-    results |= run(material.protocol.analysis, material.trials).to_dict()
-    return html(material, results, [])
+    results |= json.loads(json.dumps(run(material.protocol.analysis, material.trials).to_dict()))
+    return composed(material, results, [])
+
+
+def page_of(folder: StudyFolder, **changes: object) -> str:
+    return typeset.page(document_of(folder, **changes))
 
 
 @pytest.fixture
@@ -62,26 +97,97 @@ def analysed(folder: StudyFolder) -> Callable[..., str]:
     return partial(page_of, folder)
 
 
-def test_the_page_needs_nothing_else_and_is_the_same_each_time(recorded_study: Callable[[], Path]) -> None:
+def test_the_report_needs_nothing_else_and_is_the_same_each_time(
+    recorded_study: Callable[[], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    some = tuple(drawing for drawing in DRAWINGS if drawing.name in ("1", "7", "8"))
+    monkeypatch.setattr("studykit.reports.report.DRAWINGS", some)
     first, second = recorded_study(), recorded_study()
     rmtree(second / "sourcedata" / "simulation")  # what was planted is nothing to read
-    text = report(first).read_text(encoding="utf-8")
+    page, pdf = report(first)
     report(second)
+    text = page.read_text(encoding="utf-8")
     files = sorted(path for path in StudyFolder(first).derivatives.rglob("*") if path.is_file())
+    assert {page, pdf} < set(files)
     for path in files:
         assert path.read_bytes() == (second / path.relative_to(first)).read_bytes(), path.name
     assert "http" not in text
-    page = Page(text)
-    assert not {"script", "link", "iframe"} & {tag for tag, _ in page.tags}
-    references = [a.get("src") or a.get("href") or "" for _, a in page.tags if {"src", "href"} & a.keys()]
+    found = Page(text)
+    assert not {"script", "link", "iframe"} & {tag for tag, _ in found.tags}
+    references = [a.get("src") or a.get("href") or "" for _, a in found.tags if {"src", "href"} & a.keys()]
     assert all(re.match(r"#|data:image/svg\+xml;base64,", reference) for reference in references)
-    targets = {attributes.get("id") for _, attributes in page.tags}
-    assert {reference[1:] for reference in references if reference.startswith("#")} <= targets
+    targets = [attributes["id"] for _, attributes in found.tags if "id" in attributes]
+    assert len(targets) == len(set(targets))
+    assert {reference[1:] for reference in references if reference.startswith("#")} <= set(targets)
     pictures = [base64.b64decode(r.split(",")[1]) for r in references if r.startswith("data:")]
-    assert len(pictures) == len(DRAWINGS)
-    assert len([path for path in files if path.parent.name == "figures"]) == 2 * len(DRAWINGS)
-    assert all(b"</svg>" in picture for picture in pictures)
-    assert (first / "derivatives" / "studykit" / "figures" / "figure-6.svg").read_bytes() == pictures[0]
+    assert pictures == [
+        (path.parent / "figures" / f"figure-{n}.svg").read_bytes() for n in "78" for path in [page]
+    ]
+    assert "no dance spares a joint" in text
+
+
+def test_page_and_pdf_say_the_same(folder: StudyFolder) -> None:
+    document = document_of(folder)
+    page, pdf = words_of(typeset.page(document)), words_of_pdf(typeset.pdf(document))
+    for section in document.sections:
+        assert section.title in page
+        assert section.title in pdf
+    cells = [
+        "".join(
+            piece.text if hasattr(piece, "text") else piece for piece in ([c] if isinstance(c, str) else c)
+        )
+        for block in document.blocks()
+        if isinstance(block, Table)
+        for row in block.rows
+        for c in row
+    ]
+    numbers_shown = {cell for cell in cells if re.fullmatch(r"−?[\d.]{4,}", cell)}
+    assert len(numbers_shown) > 100
+    assert [cell for cell in numbers_shown if cell not in page or cell not in pdf] == []
+    assert re.search(r"Table 1\..*Figure 1\.", page)
+    assert re.search(r"Table 1\..*Figure 1\.", pdf)
+
+
+def test_the_pdf_has_no_date_and_a_table_of_contents(folder: StudyFolder) -> None:
+    document = document_of(folder)
+    content = typeset.pdf(document)
+    assert content == typeset.pdf(document)
+    reader = pypdf.PdfReader(io.BytesIO(content))
+    assert reader.metadata is not None
+    assert reader.metadata.title == document.title
+    assert reader.metadata.get("/CreationDate") is None
+    titles = [str(entry.title) for entry in reader.outline if not isinstance(entry, list)]
+    assert [title.split(maxsplit=1)[1] for title in titles] == [one.title for one in document.sections]
+
+
+def everything_says(words: str) -> Document:
+    """Give a document in which every text is the same."""
+    svg = b'<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt"><path d="M0 0h9"/></svg>'
+    return Document(
+        title=words,
+        subtitle=words,
+        banners=(words,),
+        summary=(Paragraph(words=(words, italic(words), bold(words)), kind="warning"),),
+        sections=(
+            Section(
+                title=words,
+                blocks=(
+                    Table(title=words, head=(words, words), rows=((words, words),), note=words),
+                    Figure(name="a", title=words, caption=words, svg=svg, width_mm=9.0),
+                    Figure(name="b", title=words, caption=words, problem=words),
+                    Flow(title=words, stages=(Stage(text=words, count=words, lost=(words,)),) * 2),
+                ),
+            ),
+        ),
+    ).numbered()
+
+
+def test_whatever_a_text_says_is_shown_as_text() -> None:
+    document = everything_says(HOSTILE)
+    page = typeset.page(document)
+    assert "<script" not in page
+    assert words_of(page).count(HOSTILE) >= 18
+    assert words_of_pdf(typeset.pdf(document)).replace(" ", "").count("alert") >= 16
 
 
 def test_what_is_simulated_or_made_up_says_so_at_the_top(analysed: Callable[..., str]) -> None:
@@ -96,7 +202,7 @@ def test_text_from_the_study_is_escaped(analysed: Callable[..., str]) -> None:
     assert "Dances for &lt;b&gt;everyone&lt;/b&gt; &amp; all" in text
     assert "<b>everyone" not in text
     assert "<script" not in text
-    assert "excluded: &lt;script&gt;alert(1)&lt;/script&gt;" in text
+    assert "1 not valid: &lt;script&gt;alert(1)&lt;/script&gt;" in text
 
 
 def test_numbers_are_bound_to_the_trials(analysed: Callable[..., str], folder: StudyFolder) -> None:
@@ -117,26 +223,30 @@ def test_percentiles_are_told_only_of_dances_that_aim_at_them(
     analysed: Callable[..., str], folder: StudyFolder, tmp_path: Path
 ) -> None:
     assert "energies aim at percentiles 25 (light) and 75 (intense)" in analysed()
-    copy = StudyFolder(Path(copytree(folder.path, tmp_path / "small")))
-    written = {path: path.read_text(encoding="utf-8") for path in copy.dances.glob("*.json")}
+    copied = StudyFolder(Path(copytree(folder.path, tmp_path / "small")))
+    written = {path: path.read_text(encoding="utf-8") for path in copied.dances.glob("*.json")}
     for path, words in written.items():
         path.write_text(words.replace('"studykit"', '"paper"').replace('"percentiles"', '"paper"'))
-    text = page_of(copy)
+    text = page_of(copied)
     assert "with the preset paper" in text
     assert "percentiles" not in text
     for path, words in written.items():
         path.write_text(words.replace('"percentiles"', '"raters"'), encoding="utf-8")
-    text = page_of(copy)
+    text = page_of(copied)
     assert "aim at what raters of the library called light and intense, easy and hard" in text
     assert "percentiles" not in text
 
 
-def test_every_declared_test_and_correlation_stands_on_the_page(analysed: Callable[..., str]) -> None:
-    words = " ".join(" ".join(Page(analysed()).words).split())
-    assert len(re.findall(r"Friedman test \(chi-squared approximation", words)) == 3
+def test_every_declared_result_stands_in_the_report(analysed: Callable[..., str]) -> None:
+    words = words_of(analysed())
+    assert (
+        len(re.findall(r"Friedman: χ²\(\d\) = [\d.]+, p [<=] [\d.]+ \(chi-squared approximation\)", words))
+        == 3
+    )
     assert words.count("Every trial counts as if it came from a different person") == 2
-    assert "exact permutation distribution, ties kept; zeros dropped; two-sided" in words
-    assert "correction: Holm" in words
+    assert "xact permutation distribution, ties kept; zeros dropped; two-sided" in words
+    assert "p corrected: Holm" in words
+    assert words.count("Period, sequence and carry-over") == 3
 
 
 def test_enjoyment_is_that_of_the_answers(analysed: Callable[..., str], folder: StudyFolder) -> None:
@@ -149,11 +259,98 @@ def test_enjoyment_is_that_of_the_answers(analysed: Callable[..., str], folder: 
 
 def test_an_excluded_trial_is_named_and_its_test_says_what_was_used(analysed: Callable[..., str]) -> None:
     text = analysed(is_valid=False, exclusion_reason="the belt fell off")
-    assert "excluded: the belt fell off" in text
+    assert "1 not valid: the belt fell off" in text
     assert "1 not valid (the belt fell off)" in text
+    assert "<td>23 of 24</td>" not in text
+    assert re.search(r"<strong>23</strong> valid trials", text)
 
 
-def test_a_page_can_be_made_of_one_unfinished_visit(recorded_study: Callable[[], Path]) -> None:
+def test_the_paper_stands_beside_and_is_judged(analysed: Callable[..., str]) -> None:
+    words = words_of(analysed())
+    assert "cannot be true: r = 0.897 gives p = .031 with no number of points" in words
+    assert "chi2(3)=30.00, p<.001, W=0.50, n=20" in words
+
+
+def test_items_that_a_person_must_fill_are_left_open(analysed: Callable[..., str]) -> None:
+    words = words_of(analysed())
+    (said,) = re.findall(r"protocol and the data answer (\d+); (\d+) are left open", words)
+    assert words.count("to be filled by a person") == int(said[1]) > 10
+    assert sum(map(int, said)) == 37
+
+
+def test_what_the_analysis_adds_stands_in_the_report_without_words_of_its_own(folder: StudyFolder) -> None:
+    material, results = found(folder)
+    results["novelties"] = [
+        {"name": "one", "outcome": "dtw_m", "clusters": [{"start_s": 1.5, "stop_s": 2.5, "p": 0.0321}]},
+        {"name": "two", "outcome": "dtw_m", "not_computed_because": "nobody danced"},
+    ]
+    results["warnings"] = ["two protocols in one study"]
+    words = words_of(typeset.page(composed(material, results, [])))
+    assert "Novelties" in words
+    assert "One: distance between dancer and guide (m)" in words
+    assert "1.5 2.5 .032" in words
+    assert "Not computed: nobody danced." in words
+    assert "two protocols in one study" in words
+
+
+TAMPERED: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "participants": lambda r: r.update(participants=4),
+    "valid_trials": lambda r: r.update(valid_trials=1),
+    "friedman.chi_squared": lambda r: r["tests"][0]["friedman"].update(chi_squared=1.0),
+    "friedman.p": lambda r: r["tests"][0]["friedman"].update(p=0.5),
+    "friedman.kendalls_w": lambda r: r["tests"][0]["friedman"].update(kendalls_w=0.123),
+    "friedman.mean_ranks": lambda r: r["tests"][0]["friedman"].update(mean_ranks=[1.0, 2.0, 3.0, 3.5]),
+    "friedman.n": lambda r: r["tests"][0]["friedman"].update(n=2),
+    "friedman.f_p": lambda r: r["tests"][1]["friedman"].update(f_p=0.9),
+    "is_significant": lambda r: r["tests"][0].update(is_significant=not r["tests"][0]["is_significant"]),
+    "exclusions.used": lambda r: r["tests"][0]["exclusions"].update(used=1),
+    "exclusions.not_valid": lambda r: r["tests"][0]["exclusions"].update(not_valid={"lost": 1}),
+    "summaries mean": lambda r: r["tests"][2]["summaries"][0].update(mean=4.1234),
+    "median": lambda r: r["tests"][0]["summaries"][1].update(median=100.0),
+    "standard_deviation": lambda r: r["tests"][0]["summaries"][1].update(standard_deviation=100.0),
+    "w_plus": lambda r: r["tests"][0]["pairs"][0].update(w_plus=2.5),
+    "rank_biserial": lambda r: r["tests"][0]["pairs"][0].update(rank_biserial=0.11),
+    "pairs p": lambda r: r["tests"][0]["pairs"][0].update(p=0.011),
+    "p_corrected": lambda r: r["tests"][0]["pairs"][0].update(p_corrected=0.011),
+    "shift": lambda r: r["tests"][0]["pairs"][0]["shift"].update(estimate=12.3),
+    "correlation r": lambda r: r["correlations"][0]["pooled"].update(r=0.123),
+    "correlation p": lambda r: r["correlations"][0]["repeated_measures"].update(p=0.7),
+    "order p": lambda r: r["order_effects"][0]["effects"]["period"].update(p=0.7),
+    "enjoyment": lambda r: r["enjoyment"]["mean"].update(percent_of_maximum=85.0),
+}
+
+
+@pytest.mark.parametrize("number", TAMPERED)
+def test_a_number_that_was_changed_keeps_the_report_from_being_made(
+    untouched: tuple[Material, dict[str, Any]], number: str
+) -> None:
+    material, results = untouched
+    changed = copy.deepcopy(results)
+    TAMPERED[number](changed)
+    assert changed != results
+    with pytest.raises(InputError) as refused:
+        composed(material, changed, [])
+    assert re.split(r"[ .]", number)[-1].rstrip("s") in str(refused.value)
+
+
+def test_all_numbers_of_an_untouched_study_agree(folder: StudyFolder) -> None:
+    material, results = found(folder)
+    findings = check_results(results, material.trials)
+    assert len(findings) > 300
+    assert [finding.words for finding in findings if not finding.is_consistent] == []
+    assert {"GRIM", "shift", "p against signed ranks", "corrected p"} <= {
+        finding.kind for finding in findings
+    }
+
+
+def test_grim_finds_a_mean_that_whole_answers_cannot_have(folder: StudyFolder) -> None:
+    material, results = found(folder)
+    results["tests"][2]["summaries"][0]["mean"] += 0.1
+    kinds = {one.kind for one in check_results(results, material.trials) if not one.is_consistent}
+    assert {"GRIM", "mean"} == kinds
+
+
+def test_a_report_can_be_made_of_one_unfinished_visit(recorded_study: Callable[[], Path]) -> None:
     folder = StudyFolder(recorded_study())
     for subject in folder.path.glob("sub-*"):  # no files that could stand for a journal
         rmtree(subject)
@@ -164,8 +361,38 @@ def test_a_page_can_be_made_of_one_unfinished_visit(recorded_study: Callable[[],
     performed = [n for n, line in enumerate(lines) if b'"kind":"step_completed"' in line]
     journal.write_bytes(b"".join(lines[: performed[len(performed) // 3]]))
     analyse(folder)
-    material = Material(folder=folder, trials=read_trials(folder.derivatives / "trials.csv"))
-    results = json.loads((folder.derivatives / "results.json").read_text(encoding="utf-8"))
-    text = html(material, results, [drawn(drawing, material) for drawing in DRAWINGS[1:2]])
-    assert "Not computed" in text
-    assert "Nobody has answered the enjoyment scale yet" in text
+    material, results = found(folder)
+    seventh = next(drawing for drawing in DRAWINGS if drawing.name == "7")
+    document = composed(material, results, [drawn(seventh, material)])
+    words = words_of(typeset.page(document))
+    assert "Not computed" in words
+    assert "Nobody has answered the enjoyment scale yet" in words
+    assert "did not finish" in words
+    assert "Not computed" in words_of_pdf(typeset.pdf(document))
+
+
+def emptied(folder: StudyFolder, *columns: str, is_valid: bool = True) -> str:
+    material, results = found(folder)
+    for column in columns:
+        material.trials[column] = float("nan")
+    if not is_valid:
+        material.trials["is_valid"] = False
+        material.trials["exclusion_reason"] = "the camera was off"
+    results |= json.loads(json.dumps(run(material.protocol.analysis, material.trials).to_dict()))
+    document = composed(material, results, [])
+    typeset.pdf(document)
+    return words_of(typeset.page(document))
+
+
+def test_a_study_without_heart_rate_or_skeleton_is_told(folder: StudyFolder) -> None:
+    words = emptied(folder, "heart_rate_mean_bpm", "heart_rate_peak_bpm", "vigorous_fraction")
+    assert "Not computed: nobody has a value in" in words
+    assert "Movement: distance between dancer and guide χ²" in words
+    words = emptied(folder, "dtw_m", "dtw_lag_s")
+    assert "Movement: distance between dancer and guide not computed" in words
+
+
+def test_a_study_without_a_valid_trial_is_told(folder: StudyFolder) -> None:
+    words = emptied(folder, is_valid=False)
+    assert "0 valid trials" in words
+    assert "24 not valid: the camera was off" in words

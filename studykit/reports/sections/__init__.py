@@ -1,0 +1,1 @@
+"""The sections of a study's report: each turns results and recordings into blocks of a document."""

@@ -1,0 +1,137 @@
+"""How it was done, in the words of a methods section, and where every number comes from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from studykit.reports.document import Block, Paragraph, Section, Table, listed
+from studykit.reports.naming import outcome, titled
+from studykit.reports.numbers import bounded, number, percent
+
+if TYPE_CHECKING:
+    from studykit.protocol.analysis_plan import AnalysisPlan
+    from studykit.reports.material import Material
+
+_CORRECTED = {
+    "holm": "corrected by Holm’s method", "bonferroni": "corrected by Bonferroni’s method",
+    "closed": "corrected by closed testing", "none": "not corrected",
+}  # fmt: skip
+
+
+def methods(material: Material, results: dict[str, Any]) -> Section:
+    """Write the methods from the protocol, the dances and the versions used."""
+    protocol = material.protocol
+    conditions = len(protocol.conditions_list())
+    design = Paragraph(
+        words=f"Within-subject crossover: each of {protocol.study.participants} planned participants "
+        "performs "
+        f"{conditions} conditions of {number(protocol.dance.duration_s, 0)} s, in an order drawn by lot "
+        "from a "
+        f"{protocol.order.design.capitalize()} square (seed {protocol.study.seed}), each preceded by "
+        "watching the "
+        f"dance {protocol.session.watch_repetitions} times and followed by "
+        f"{number(protocol.session.rest_s, 0)} s "
+        "of rest. The protocol was fixed before the first visit; its digest stands in every record."
+    )
+    measures = Paragraph(
+        words="Movement of dancer and guide is compared joint by joint after moving the pelvis to the "
+        "origin, "
+        "giving both bodies limbs of equal length and turning the dancer, once, to the front that fits the "
+        "whole "
+        f"dance best, with dynamic time warping within ±{number(protocol.movement.band_s, 1)} s; the "
+        "distance is the "
+        "mean over aligned frames. Mean heart rate is weighted by the time for which each reading stood; "
+        "silences "
+        f"of the belt longer than {number(protocol.heart_rate.longest_gap_s, 0)} s count for nothing. "
+        "Intensity is "
+        f"vigorous at or above {percent(protocol.heart_rate.vigorous_fraction, 0)} of the maximum predicted "
+        "from age."
+    )
+    return Section(
+        title="Methods",
+        sections=(
+            Section(title="Design and measures", blocks=(design, measures, _dances(material))),
+            Section(title="Analysis as declared", blocks=tuple(_declared(protocol.analysis))),
+            Section(title="Provenance", blocks=(_provenance(material, results),)),
+        ),
+    )
+
+
+def _dances(material: Material) -> Paragraph:
+    shown = material.dances.values()
+    presets, seeds = sorted({dance.preset for dance in shown}), sorted({dance.seed for dance in shown})
+    aims = {dance.targets_from for dance in shown}
+    dance = material.protocol.dance
+    text = (
+        f"The dances were searched for with the preset {listed(presets)} (seed "
+        f"{listed([str(s) for s in seeds])}); "
+    )
+    if aims == {"raters"}:
+        text += (
+            "energies and varieties aim at what raters of the library called light and intense, easy "
+            "and hard."
+        )
+    elif aims == {"percentiles"}:
+        text += (
+            f"energies aim at percentiles {number(dance.intensity.light, 0)} (light) and "
+            f"{number(dance.intensity.intense, 0)} (intense) of random dances from the same library, "
+            "varieties at "
+            f"{number(dance.variety.easy)} (easy) and {number(dance.variety.hard)} (hard) of the median "
+            "distance "
+            "between unrelated segments."
+        )
+    else:
+        text += "what they aim at stands in the table of the dances."
+    return Paragraph(words=text)
+
+
+def _declared(plan: AnalysisPlan) -> list[Block]:
+    blocks: list[Block] = [
+        Paragraph(
+            words=f"{titled(test.name)}: {outcome(test.outcome)} is compared between "
+            f"{len(test.conditions)} "
+            f"conditions by Friedman’s test, then {len(test.pairs_list())} pairs by Wilcoxon’s "
+            "signed-rank test "
+            f"with exact p, {_CORRECTED.get(test.correction, test.correction)}."
+        )
+        for test in plan.tests
+    ]
+    for one in plan.correlations:
+        across = " plus ".join(outcome(name) for name in one.x)
+        kind = (
+            "within people (repeated measures)" if one.method == "repeated_measures" else "pooled (Pearson)"
+        )
+        blocks.append(
+            Paragraph(words=f"{titled(one.name)}: {outcome(one.y)} is correlated with {across}, {kind}.")
+        )
+    level = (
+        f"Level of significance {bounded(plan.alpha)}, two-sided. Nothing that is not declared is "
+        f"called a result."
+    )
+    return [*blocks, Paragraph(words=level)]
+
+
+def _provenance(material: Material, results: dict[str, Any]) -> Table:
+    found = results["provenance"]
+    shown = material.dances.values()
+    rows = [
+        (titled(key).replace("sha256", "(SHA-256)"), str(value))
+        for key, value in found.items()
+        if isinstance(value, str)
+    ]
+    rows += [
+        ("Dance library (SHA-256)", listed(sorted({dance.library_sha256 for dance in shown}))),
+        ("Licences of the movement", listed(sorted({s.licence for dance in shown for s in dance.segments}))),
+        ("Seed of the order", str(material.protocol.study.seed)),
+        ("Seeds of the dances", listed([str(seed) for seed in sorted({dance.seed for dance in shown})])),
+        ("Versions", ", ".join(f"{name} {version}" for name, version in found["versions"].items())),
+    ]
+    return Table(
+        title="Where every number comes from.",
+        head=("What", "Digest, seed or version"),
+        rows=tuple(rows),
+        text_columns=frozenset({1}),
+        note="Digests name the exact content of files. The same recordings, protocol and versions give the "
+        "same "
+        "bytes of this report.",
+    )

@@ -1,0 +1,218 @@
+"""Models, order effects and whatever else the results hold, each with its words of explanation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from studykit.reports.document import Block, Paragraph, Section, Table, Words, italic
+from studykit.reports.naming import condition, outcome, sentence, titled, with_unit
+from studykit.reports.numbers import anything, number, p_cell
+
+_SYMBOLS: dict[str, Words] = {
+    "p": (italic("p"),), "f": (italic("F"),), "t": (italic("t"),), "f_p": (italic("p"), " of F"),
+    "n": (italic("n"),), "numerator_df": "df", "denominator_df": "df of the error",
+    "chi_squared": "χ²", "kendalls_w": (italic("W"),), "kendalls_w_interval": "Interval of W",
+    "degrees_of_freedom": "df", "standard_error": "SE", "partial_eta_squared": "Partial η²",
+    "p_greenhouse_geisser": (italic("p"), " (Greenhouse–Geisser)"), "bayes_factor": "BF₁₀",
+    "start_s": "From (s)", "stop_s": "To (s)", "same_verdict": "Same verdict",
+}  # fmt: skip
+_TITLES = {
+    "models": "Models",
+    "order_effects": "Order of the conditions",
+    "factorials": "Factors and their interactions",
+    "curves": "Curves",
+    "equivalences": "Equivalence",
+    "sensitivity": "Sensitivity",
+    "bayes_factors": "Bayes factors",
+}
+_OPENINGS = {
+    "models": "A mixed model gives every participant a level of their own and uses all valid "
+    "trials, also those of people who lack some.",
+    "order_effects": "Whether an outcome changed from period to period, differed between sequences, "
+    "or carried over from the dance before, beside the conditions.",
+    "factorials": "Each factor’s effect after aligned ranks.",
+    "curves": "Where two conditions differ over time: stretches (clusters) that chance seldom "
+    "makes so large, found by permuting whose curve is whose.",
+    "equivalences": "Whether conditions are the same within limits named before the study: two one- "
+    "sided tests, one against each limit.",
+    "sensitivity": "Every declared test again, each time with one defensible choice made "
+    "otherwise; a verdict that changes hangs on that choice.",
+    "bayes_factors": "How much better a difference explains the data than none.",
+}
+_KNOWN = frozenset(
+    {"alpha", "participants", "trials", "valid_trials", "is_simulated", "tests", "correlations", "enjoyment",
+     "provenance", "warnings"}
+)  # fmt: skip
+
+
+def further(results: dict[str, Any]) -> tuple[Section, ...]:
+    """Give a section to everything in the results that has none of its own."""
+    ordered = [*_TITLES, *(key for key in results if key not in _TITLES)]
+    return tuple(
+        Section(
+            title=_TITLES.get(key, titled(key)),
+            blocks=(*_opening(key), *_flat(results[key])),
+            sections=tuple(_entry(entry) for entry in _entries(results[key])),
+        )
+        for key in ordered
+        if key not in _KNOWN and results.get(key)
+    )
+
+
+def _opening(key: str) -> tuple[Block, ...]:
+    return (Paragraph(words=_OPENINGS[key]),) if key in _OPENINGS else ()
+
+
+def _entries(value: Any) -> list[dict[str, Any]]:
+    """Give the parts of a result; those that are all plain values are rows of one table instead."""
+    entries = [entry for entry in (value if isinstance(value, list) else [value]) if isinstance(entry, dict)]
+    return [] if all(map(_is_flat, entries)) else entries
+
+
+def _flat(value: Any) -> tuple[Block, ...]:
+    """Give the parts that are rows of one table."""
+    rows = [entry for entry in (value if isinstance(value, list) else []) if isinstance(entry, dict)]
+    return (_table(rows, ""),) if rows and all(map(_is_flat, rows)) else ()
+
+
+def _is_flat(entry: Mapping[str, Any]) -> bool:
+    return not any(_is_nested(value) for value in entry.values())
+
+
+def _is_nested(value: Any) -> bool:
+    return isinstance(value, dict) or (
+        isinstance(value, list) and bool(value) and all(isinstance(one, dict) for one in value)
+    )
+
+
+def _entry(entry: dict[str, Any]) -> Section:
+    name = entry.get("name")
+    about = with_unit(entry["outcome"]) if "outcome" in entry else ""
+    title = f"{titled(name)}: {about}" if name and about else sentence(about) or titled(str(name or "Result"))
+    if reason := entry.get("not_computed_because"):
+        return Section(title=title, blocks=(Paragraph(words=f"Not computed: {reason}.", kind="warning"),))
+    if entry.get("mixed_model"):
+        return Section(title=title, blocks=tuple(_model(entry["mixed_model"])))
+    if entry.get("effects") and "period_means" in entry["effects"]:
+        return Section(title=title, blocks=tuple(_order(entry)))
+    rest = {key: value for key, value in entry.items() if key not in ("name", "outcome")}
+    return Section(title=title, blocks=tuple(_blocks(rest)))
+
+
+def _model(fit: Mapping[str, Any]) -> Iterator[Block]:
+    """Tell a mixed model: its terms, the differences between levels, and how much people vary."""
+    yield _table(fit["terms"], "Terms of the model: does the outcome depend on them")
+    order = ("period", "sequence", "carry")
+    titles = {"means": "Estimated means", "differences": "Differences between levels, first minus second"}
+    for key, title in titles.items():
+        rows = [row for row in fit.get(key) or [] if not str(row["name"]).startswith(order)]
+        if rows:
+            yield _table(rows, title)
+    yield Paragraph(
+        words=f"{fit['n']} trials of {fit['participants']} participants; standard deviation between "
+        "participants "
+        f"{anything(fit['between_sd'])}, within {anything(fit['within_sd'])}. {sentence(fit['variant'])}. "
+        f"Formula: {fit['formula']}.",
+        kind="note",
+    )
+    if fit["is_singular"]:
+        yield Paragraph(
+            words="Participants do not differ beyond chance: the fit is singular.", kind="warning"
+        )
+    yield from (
+        Paragraph(words=f"{sentence(str(note))}.".replace("..", "."), kind="warning") for note in fit["notes"]
+    )
+
+
+def _notes(entry: Mapping[str, Any]) -> Iterator[Paragraph]:
+    for note in entry.get("notes") or []:
+        yield Paragraph(words=f"{sentence(str(note))}.".replace("..", "."), kind="warning")
+
+
+def _order(entry: Mapping[str, Any]) -> Iterator[Block]:
+    """Tell whether the order mattered; the model behind it stands in the results."""
+    effects = entry["effects"]
+    found = [effects[key] for key in ("period", "sequence", "carry_over") if effects.get(key)]
+    if found:
+        yield _table(found, "Period, sequence and carry-over")
+    if effects.get("period_means"):
+        yield _table(effects["period_means"], "Means by period, other things equal")
+    yield from _notes(effects.get("model") or {})
+
+
+def _blocks(entry: Mapping[str, Any], about: str = "") -> Iterator[Block]:
+    """Turn nested results into a table of single values, then one table for each list within."""
+    single = {k: v for k, v in entry.items() if not _is_nested(v) and v not in (None, [], {})}
+    terms = {k: v for k, v in entry.items() if isinstance(v, dict) and _is_flat(v) and v}
+    notes = [str(note) for note in single.pop("notes", [])]
+    words = {key: value for key, value in single.items() if isinstance(value, str) and len(value) > 40}
+    facts = {key: value for key, value in single.items() if key not in words}
+    alike = [value for value in terms.values() if value.keys() == next(iter(terms.values())).keys()]
+    if terms and len(alike) == len(terms) and "name" in alike[0]:
+        yield _table(alike, about or "Tests.")
+    else:
+        for key, value in terms.items():
+            yield _facts(value, titled(key))
+    for key, value in entry.items():
+        if isinstance(value, list) and _is_nested(value):
+            yield _table(value, titled(key))
+        elif isinstance(value, dict) and key not in terms:
+            yield from _blocks(value, titled(key))
+    if facts:
+        yield _facts(facts, about or "In numbers")
+    for key, told in words.items():
+        yield Paragraph(words=f"{titled(key)}: {told}.".replace("..", "."), kind="note")
+    for note in notes:
+        yield Paragraph(words=sentence(note), kind="warning")
+
+
+def _head(key: str) -> Words:
+    return _SYMBOLS.get(key, sentence(key.replace("_", " ")))
+
+
+def _cell(key: str, value: Any) -> str:
+    if key == "p" or key.endswith("_p") or key.startswith("p_"):
+        return p_cell(value) if isinstance(value, int | float) else anything(value)
+    if key == "outcome" and isinstance(value, str):
+        return outcome(value)
+    if key in ("a", "b", "condition") and isinstance(value, str):
+        return condition(value)
+    if key in ("f", "t", "chi_squared"):
+        return number(value)
+    return anything(value)
+
+
+def _table(rows: list[dict[str, Any]], title: str) -> Table:
+    """Set entries of one kind as the rows of a table; what no entry has is left out."""
+    keys = [key for key in dict.fromkeys(key for row in rows for key in row) if _is_worth(rows, key)]
+    long = [
+        key for key in keys if all(isinstance(row.get(key), str) for row in rows) and _is_alike(rows, key)
+    ]
+    shown = [key for key in keys if key not in long or key == keys[0]]
+    note = " ".join(f"{titled(key)}: {rows[0][key]}." for key in long if key != keys[0])
+    words = {n for n, key in enumerate(shown) if any(isinstance(row.get(key), str) for row in rows)}
+    return Table(
+        title=f"{title.rstrip('.')}." if title else "Results.",
+        head=tuple(_head(key) for key in shown),
+        rows=tuple(tuple(_cell(key, row.get(key)) for key in shown) for row in rows),
+        text_columns=frozenset(words),
+        note=note.replace("..", "."),
+    )
+
+
+def _is_worth(rows: list[dict[str, Any]], key: str) -> bool:
+    return any(row.get(key) not in (None, [], {}) for row in rows)
+
+
+def _is_alike(rows: list[dict[str, Any]], key: str) -> bool:
+    """Tell whether all rows say the same in many words, which then stand once in the note."""
+    return len(rows) > 1 and len({row.get(key) for row in rows}) == 1 and len(str(rows[0][key])) > 20
+
+
+def _facts(values: Mapping[str, Any], title: str) -> Table:
+    return Table(
+        title=f"{title.rstrip('.')}.",
+        head=("Quantity", "Value"),
+        rows=tuple((_head(key), _cell(key, value)) for key, value in values.items()),
+    )

@@ -1,0 +1,384 @@
+"""Every declared test and correlation, and enjoyment."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from studykit.reports.document import Block, Paragraph, Piece, Section, Table, Words, bold, italic, listed
+from studykit.reports.naming import condition, outcome, sentence, titled, unit, with_unit
+from studykit.reports.numbers import bounded, decimals_for, interval, limits, number, p_cell, p_value, percent
+
+if TYPE_CHECKING:
+    from studykit.reports.material import Material
+
+_ENJOYMENT = {
+    "total": "Total",
+    "percent_of_maximum": "Percent of the highest total",
+    "percent_of_range": "Percent of the range from lowest to highest total",
+    "item_mean": "Mean of the items (1 to 7)",
+}
+
+
+def at_a_glance(results: dict[str, Any]) -> tuple[Block, ...]:
+    """Give every declared result in one table, for the first page."""
+    rows: list[tuple[Words, ...]] = []
+    for test in results["tests"]:
+        about = f"{titled(test['name'])}: {outcome(test['outcome'])}"
+        found = test["friedman"]
+        if found is None:
+            rows.append((about, "not computed", "", "", "", str(test["participants"])))
+            continue
+        rows.append(
+            (
+                about,
+                f"χ²({found['degrees_of_freedom']}) = {number(found['chi_squared'])}",
+                p_cell(_p_of(test)),
+                (italic("W"), f" = {bounded(found['kendalls_w'])}"),
+                interval(test["kendalls_w_interval"]),
+                str(found["n"]),
+            )
+        )
+    for result in results["correlations"]:
+        about = f"{titled(result['name'])}: {outcome(result['y'])}"
+        found = result["pooled" if result["method"] == "pearson" else "repeated_measures"]
+        if found is None:
+            rows.append((about, "not computed", "", "", "", ""))
+            continue
+        statistic = f"r({found['degrees_of_freedom']}) = {bounded(found['r'])}"
+        people = found["participants"] or f"{found['n']} trials"
+        effect: Words = (italic("r"), f" = {bounded(found['r'])}")
+        rows.append((about, statistic, p_cell(found["p"]), effect, interval(found["interval"]), str(people)))
+    if not rows:
+        return (Paragraph(words="The protocol declares no test."),)
+    table = Table(
+        title="Every result that the protocol declared before the study.",
+        head=("Result", "Statistic", (italic("p"),), "Effect", _covering(results), (italic("n"),)),
+        rows=tuple(rows),
+        text_columns=frozenset({1, 3}),
+        note="W: Kendall’s coefficient of concordance, 0 (people rank the conditions at random) to 1 (all "
+        "rank "
+        "them alike). r: correlation within people, unless called pooled. n: participants.",
+    )
+    return (table,)
+
+
+def _covering(results: dict[str, Any]) -> str:
+    return f"{percent(1.0 - results['alpha'], 0)} interval"
+
+
+def _p_of(test: dict[str, Any]) -> float | None:
+    value = test.get("p")
+    return float(value if value is not None else test["friedman"]["p"])
+
+
+def declared_tests(results: dict[str, Any]) -> Section:
+    """Tell every declared comparison: statistic, df, p, effect with interval, n and exclusions."""
+    said = Paragraph(
+        words=f"Level of significance {bounded(results['alpha'])}; intervals cover "
+        f"{percent(1 - results['alpha'], 0)}. "
+        "Differences are the first condition minus the second. Friedman’s test asks whether conditions "
+        "differ at "
+        "all, from each person’s ranking of them; Wilcoxon’s signed-rank tests ask which pairs do."
+    )
+    tests = tuple(_test(test, results["alpha"]) for test in results["tests"])
+    return Section(
+        title="Declared tests",
+        blocks=(said,) if tests else (Paragraph(words="The protocol declares no test."),),
+        sections=tests,
+    )
+
+
+def _test(test: dict[str, Any], alpha: float) -> Section:
+    title = f"{titled(test['name'])}: {with_unit(test['outcome'])}"
+    used = Paragraph(words=left_out(test["exclusions"]), kind="note")
+    found = test["friedman"]
+    if found is None:
+        problem = Paragraph(words=f"Not computed: {test['not_computed_because']}.", kind="warning")
+        return Section(title=title, blocks=(problem, used))
+    blocks: list[Block] = [_omnibus(test, found), _summaries(test)]
+    if test["pairs"]:
+        blocks += [_pairs(test, alpha), _variants(test)]
+    return Section(title=title, blocks=(*blocks, *_more(test), used))
+
+
+def _omnibus(test: dict[str, Any], found: dict[str, Any]) -> Paragraph:
+    words: list[str | Piece] = [
+        f"Friedman: χ²({found['degrees_of_freedom']}) = {number(found['chi_squared'])}, ",
+        italic("p"), f" {p_value(found['p'])} (chi-squared approximation)",
+    ]  # fmt: skip
+    if found.get("f") is not None:
+        above, below = found["f_degrees_of_freedom"]
+        words += [
+            "; ", italic("F"), f"({above}, {below}) = {number(found['f'])}, ", italic("p"),
+            f" {p_value(found['f_p'])} (Iman and Davenport)",
+        ]  # fmt: skip
+    if found.get("permutation_p") is not None:
+        ends = found.get("permutation_p_interval")
+        within = f", between {p_cell(ends[0])} and {p_cell(ends[1])}" if ends else ""
+        method = found.get("permutation_method", "permutation")
+        words += ["; ", italic("p"), f" {p_value(found['permutation_p'])} ({method}{within})"]
+    words += [
+        ". Kendall’s ", italic("W"),
+        f" = {bounded(found['kendalls_w'])} {interval(test['kendalls_w_interval'])}, ",
+        italic("n"), f" = {found['n']}. ",
+    ]  # fmt: skip
+    words.append(_declared_kind(test))
+    verdict = "differ" if test["is_significant"] else "do not differ"
+    words.append(bold(f"The conditions {verdict} significantly."))
+    return Paragraph(words=tuple(words), kind="result")
+
+
+def _declared_kind(test: dict[str, Any]) -> str:
+    """Say which p the protocol named, if they differ."""
+    found, declared = test["friedman"], test.get("p")
+    kinds = {"chi-squared": found["p"], "F": found.get("f_p"), "permutation": found.get("permutation_p")}
+    named = [kind for kind, value in kinds.items() if declared is not None and value == declared]
+    return f"The protocol names the p by {named[0]}. " if named else ""
+
+
+def _decimals(test: dict[str, Any]) -> int:
+    spreads = [row["standard_deviation"] for row in test["summaries"] if row["standard_deviation"]]
+    return decimals_for(min(spreads, default=0.0))
+
+
+def _summaries(test: dict[str, Any]) -> Table:
+    places = _decimals(test)
+    return Table(
+        title=f"{sentence(with_unit(test['outcome']))} by condition, over {test['participants']} "
+        "participants.",
+        head=("Condition", "Mean", "SD", "Median", "Quartiles", "Mean rank"),
+        rows=tuple(
+            (
+                condition(row["condition"]),
+                number(row["mean"], places),
+                number(row["standard_deviation"], places),
+                number(row["median"], places),
+                f"{number(row['lower_quartile'], places)} to {number(row['upper_quartile'], places)}",
+                number(row["mean_rank"]),
+            )
+            for row in test["summaries"]
+        ),
+        note="SD: standard deviation over participants. Mean rank: 1 for each person’s lowest value.",
+    )
+
+
+def shift_of(pair: dict[str, Any]) -> dict[str, Any] | None:
+    """Give the Hodges-Lehmann shift of a pair, whatever it is called."""
+    wanted = {"estimate", "interval", "method"}
+    return next((v for v in pair.values() if isinstance(v, dict) and wanted <= v.keys()), None)
+
+
+def _pairs(test: dict[str, Any], alpha: float) -> Table:
+    places = _decimals(test)
+    measure = unit(test["outcome"])
+    shifts = [shift_of(pair) for pair in test["pairs"]]
+    rows = []
+    for pair, shift in zip(test["pairs"], shifts, strict=True):
+        corrected = p_cell(pair["p_corrected"])
+        rows.append(
+            (
+                f"{condition(pair['a'])} − {condition(pair['b'])}",
+                number(pair["median_difference"], places),
+                *(
+                    (number(shift["estimate"], places), limits(shift["interval"], places))
+                    if shift
+                    else ("–", "–")
+                ),
+                number(pair["w_plus"], 1),
+                number(pair["w_minus"], 1),
+                p_cell(pair["p"]),
+                (bold(corrected),) if pair["is_significant"] else corrected,
+                bounded(pair["rank_biserial"]),
+                interval(pair["rank_biserial_interval"]),
+            )
+        )
+    variants = listed(sorted({pair["variant"] for pair in test["pairs"]}))
+    methods = listed(sorted({shift["method"] for shift in shifts if shift}))
+    shifted = f" Shift: Hodges-Lehmann, {methods}." if methods else ""
+    return Table(
+        title=f"Pairs of conditions by Wilcoxon’s signed-rank test; p corrected: "
+        f"{test['correction'].capitalize()}.",
+        head=(
+            "First − second",
+            f"Median difference{f' ({measure})' if measure else ''}",
+            "Shift",
+            "Interval",
+            (italic("W"), "+"),
+            (italic("W"), "−"),
+            (italic("p"),),
+            (italic("p"), " corrected"),
+            "Rank-biserial",
+            "Interval",
+        ),
+        rows=tuple(rows),
+        note=f"{sentence(variants)}. Bold: below {bounded(alpha)}. W+ and W−: sums of the ranks of positive "
+        "and "
+        "negative differences. Rank-biserial: (W+ − W−) / (W+ + W−), from −1 to 1."
+        f"{shifted}",
+    )
+
+
+def _variants(test: dict[str, Any]) -> Table:
+    names = list(test["pairs"][0]["p_by_variant"])
+    return Table(
+        title="Uncorrected p of the same pairs, tested in other ways.",
+        head=("First − second", *names),
+        rows=tuple(
+            (
+                f"{condition(pair['a'])} − {condition(pair['b'])}",
+                *(p_cell(pair["p_by_variant"][n]) for n in names),
+            )
+            for pair in test["pairs"]
+        ),
+    )
+
+
+def _more(test: dict[str, Any]) -> list[Block]:
+    """Tell the test that keeps people who lack a condition, where one was declared."""
+    found = test.get("skillings_mack")
+    if not found:
+        return []
+    words = (
+        f"With those who lack a condition kept (Skillings and Mack): {number(found['statistic'])} on "
+        f"{found['degrees_of_freedom']} degrees of freedom, p {p_value(found['p'])}, by permutation p "
+        f"{p_value(found['permutation_p'])}; {found['n']} participants, {found['cells_missing']} values "
+        "missing."
+    )
+    return [Paragraph(words=words)]
+
+
+def left_out(excluded: dict[str, Any]) -> str:
+    """Say which trials a comparison did not use."""
+    parts = [f"Of {excluded['trials']} trials of these conditions, {excluded['used']} were used"]
+    if excluded["without_value"]:
+        parts.append(f"{excluded['without_value']} valid without a value")
+    parts += [f"{count} not valid ({reason})" for reason, count in excluded["not_valid"].items()]
+    people = [
+        f"participant {person} (no value in {listed([condition(name) for name in missing])})"
+        for person, missing in excluded["participants_left_out"].items()
+    ]
+    return "; ".join(parts) + "." + (f" Left out: {'; '.join(people)}." if people else "")
+
+
+def correlations(results: dict[str, Any]) -> Section:
+    """Tell every declared correlation within people, and beside it the pooled one with its warning."""
+    if not results["correlations"]:
+        return Section(
+            title="Correlations", blocks=(Paragraph(words="The protocol declares no correlation."),)
+        )
+    return Section(title="Correlations", sections=tuple(_correlation(one) for one in results["correlations"]))
+
+
+def _correlation(result: dict[str, Any]) -> Section:
+    across = " plus ".join(outcome(name) for name in result["x"])
+    title = f"{titled(result['name'])}: {outcome(result['y'])} against {across}"
+    within, pooled = result["repeated_measures"], result["pooled"]
+    if within is None:
+        return Section(
+            title=title,
+            blocks=(Paragraph(words=f"Not computed: {result['not_computed_because']}.", kind="warning"),),
+        )
+    declared = pooled if result["method"] == "pearson" else within
+    table = Table(
+        title="The correlation within people, and the one that takes every trial for another person.",
+        head=(
+            "Correlation",
+            (italic("r"),),
+            "Interval",
+            "df",
+            (italic("p"),),
+            "Trials",
+            "Participants",
+            "Declared",
+        ),
+        rows=tuple(
+            (
+                sentence(one["method"]),
+                bounded(one["r"]),
+                interval(one["interval"]),
+                str(one["degrees_of_freedom"]),
+                p_cell(one["p"]),
+                str(one["n"]),
+                "–" if one["participants"] is None else str(one["participants"]),
+                "yes" if one is declared else "no",
+            )
+            for one in (within, pooled)
+        ),
+        note=f"x takes {result['distinct_x']} different values. {left_out(result['exclusions'])}",
+    )
+    warning = Paragraph(
+        words=(bold(f"{sentence(pooled['method'])}: "), pooled["warning"] or ""), kind="warning"
+    )
+    return Section(title=title, blocks=(table, warning))
+
+
+def by_condition(material: Material) -> Section:
+    """Give heart rate and time at vigorous intensity, condition by condition."""
+    table = material.trials[material.trials["is_valid"].astype(bool)]
+    protocol = material.protocol
+    rows = []
+    for name in sorted(protocol.conditions_list()):
+        some = table[table["condition"] == name]
+        mean = some["heart_rate_mean_bpm"].dropna()
+        rows.append(
+            (
+                condition(name),
+                str(len(mean)),
+                number(float(mean.mean()) if len(mean) else None, 1),
+                number(float(mean.std(ddof=1)) if len(mean) > 1 else None, 1),
+                number(_mean(some["heart_rate_peak_bpm"]), 1),
+                percent(_mean(some["vigorous_fraction"]), 2),
+            )
+        )
+    formula = "208 − 0.7 × age" if protocol.heart_rate.maximum == "tanaka" else "220 − age"
+    after = "" if protocol.heart_rate.window == "perform" else " and the 30 s after"
+    return Section(
+        title="Heart rate by condition",
+        blocks=(
+            Table(
+                title=f"Heart rate while performing{after}, over participants.",
+                head=(
+                    "Condition",
+                    (italic("n"),),
+                    "Mean (beats/min)",
+                    "SD (beats/min)",
+                    "Mean peak (beats/min)",
+                    "Time at vigorous intensity",
+                ),
+                rows=tuple(rows),
+                note=f"Vigorous: at or above {percent(protocol.heart_rate.vigorous_fraction, 0)} of the "
+                "maximum "
+                f"predicted from age ({formula}).",
+            ),
+        ),
+    )
+
+
+def _mean(values: Any) -> float | None:
+    known = values.dropna()
+    return float(known.mean()) if len(known) else None
+
+
+def enjoyment(results: dict[str, Any]) -> Section:
+    """Give the enjoyment scale in every way in which studies print it."""
+    found = results["enjoyment"]
+    if not found.get("participants"):
+        return Section(
+            title="Enjoyment", blocks=(Paragraph(words="Nobody has answered the enjoyment scale yet."),)
+        )
+    left = f", {found['left_out']} left out for too many missing answers" if found["left_out"] else ""
+    alpha = found["cronbach_alpha"]
+    words = (
+        f"Physical Activity Enjoyment Scale, {found['version']}; {found['participants']} participants{left}. "
+        f"Cronbach’s α = {bounded(alpha)} (how well the items go together)."
+    )
+    spread = found["standard_deviation"] or {}
+    table = Table(
+        title="Enjoyment over participants; higher is more.",
+        head=("Score", "Mean", "SD"),
+        rows=tuple(
+            (words, number(found["mean"][key]), number(spread.get(key))) for key, words in _ENJOYMENT.items()
+        ),
+        note="Studies print either percentage without saying which; both stand here.",
+    )
+    return Section(title="Enjoyment", blocks=(Paragraph(words=words), table))
