@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable
 from functools import partial
 from html.parser import HTMLParser
+from importlib import import_module
 from pathlib import Path
 from shutil import copytree, rmtree
 from typing import Any
@@ -101,7 +102,7 @@ def test_the_report_needs_nothing_else_and_is_the_same_each_time(
     recorded_study: Callable[[], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     some = tuple(drawing for drawing in DRAWINGS if drawing.name in ("1", "7", "8"))
-    monkeypatch.setattr("studykit.reports.report.DRAWINGS", some)
+    monkeypatch.setattr(import_module("studykit.reports.report"), "DRAWINGS", some)
     first, second = recorded_study(), recorded_study()
     rmtree(second / "sourcedata" / "simulation")  # what was planted is nothing to read
     page, pdf = report(first)
