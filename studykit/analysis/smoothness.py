@@ -7,20 +7,31 @@ import numpy as np
 from studykit.core.arrays import Floats
 
 
-def log_dimensionless_jerk(positions: Floats, frame_rate_hz: float) -> Floats:
+def squared_jerk(positions: Floats, frame_rate_hz: float) -> Floats:
+    """Give the mean over time of the squared jerk of points, shape (point,), m^2/s^6; see below."""
+    jerks = np.diff(positions, n=3, axis=0) * frame_rate_hz**3
+    return np.asarray(np.sum(jerks**2, axis=-1).mean(axis=0))
+
+
+def log_dimensionless_jerk(
+    positions: Floats, frame_rate_hz: float, *, trembling: Floats | float = 0.0
+) -> Floats:
     """Tell how smoothly points move, whatever the size and the duration of the movement.
 
     Parameters
     ----------
     positions : ndarray, shape (frame, point, 3), m
-        Without gaps; what a camera trembles must be taken out before.
+        Without gaps.
     frame_rate_hz : float
         Frames a second.
+    trembling : ndarray, shape (point,), m^2/s^6, optional
+        The `squared_jerk` that the camera sees in somebody who stands still; it is taken off.
 
     Returns
     -------
     ndarray, shape (point,)
-        Nearer to 0 is smoother; a point that keeps its speed, or stands still, has no jerk: NaN.
+        Nearer to 0 is smoother. NaN for a point without jerk: one that keeps its speed, stands still, or
+        does not move more than the camera trembles.
 
     Notes
     -----
@@ -37,10 +48,9 @@ def log_dimensionless_jerk(positions: Floats, frame_rate_hz: float) -> Floats:
     [-6.66]
     """
     velocities = np.gradient(positions, 1.0 / frame_rate_hz, axis=0)
-    jerks = np.diff(positions, n=3, axis=0) * frame_rate_hz**3
     peak_squared = np.sum(velocities**2, axis=-1).max(axis=0)
     duration_s = (len(positions) - 1) / frame_rate_hz
-    cost = np.sum(jerks**2, axis=(0, 2)) / len(jerks) * duration_s
+    jerk = squared_jerk(positions, frame_rate_hz) - trembling
     with np.errstate(divide="ignore", invalid="ignore"):
-        measure = -np.log(duration_s**3 / peak_squared * cost)
+        measure = -np.log(duration_s**4 / peak_squared * jerk)
     return np.where(np.isfinite(measure), measure, np.nan)

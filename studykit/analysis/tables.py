@@ -123,6 +123,9 @@ def _truth(name: str, description: str) -> Column:
     return Column(name=name, kind="boolean", description=description)
 
 
+DANCED_AGAIN = "danced again"
+"""Why a trial does not count though nothing is wrong with it: the same person danced the condition again."""
+
 TRIALS = TableSchema(
     name="trials.csv",
     columns=(

@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studykit.analysis import Results, enjoyment, run
+from studykit.analysis.results import plain
+from studykit.analysis.sensitivity import sensitivity
 from studykit.core import durable
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_files, sha256_of_value, versions
 from studykit.io.protocol_file import read_protocol
+from studykit.protocol.questionnaire import PACES, Item
+from studykit.reports.alternatives import alternatives
+from studykit.reports.checks import problems
+from studykit.reports.curves import curves
 from studykit.reports.place import AnyStudy, folder_of
 from studykit.reports.trials import paces, trials
 
@@ -21,16 +27,20 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def analyse(study: AnyStudy, *, progress: Progress = silent) -> Results:
-    """Measure every trial of a study and make every test that its protocol declares.
+def analyse(study: AnyStudy, *, workers: int | None = None, progress: Progress = silent) -> Results:
+    """Measure every trial of a study and make every comparison that its protocol declares.
 
     Writes `trials.csv` and `results.json` into the study's `derivatives/studykit`; what was recorded is only
-    read. The same recordings give the same bytes.
+    read. Beside what was declared stand the declared tests with every other defensible choice, and a warning
+    for everything about the study that narrows what its numbers say. The same recordings give the same
+    bytes.
 
     Parameters
     ----------
     study : Study, StudyFolder, Path or str
         Where it was recorded.
+    workers : int, optional
+        Processes that measure; if not given, what joblib's `parallel_config` says. The result is the same.
     progress : Progress
         Told of each visit.
 
@@ -41,9 +51,16 @@ def analyse(study: AnyStudy, *, progress: Progress = silent) -> Results:
     """
     folder = folder_of(study)
     protocol = read_protocol(folder.protocol)
-    table = trials(folder, progress=progress)
-    results = run(protocol.analysis, table)
+    table = trials(folder, workers=workers, progress=progress)
+    courses = {
+        kind: curves(folder, kind, workers=workers)
+        for kind in dict.fromkeys(plan.curve for plan in protocol.analysis.curves or ())
+    }
+    results = run(protocol.analysis, table, courses=courses)
+    others = alternatives(folder, table, workers=workers, progress=progress)
     written = results.to_dict() | {
+        "sensitivity": plain(sensitivity(protocol.analysis, table, others)),
+        "warnings": plain(problems(folder, table=table)),
         "enjoyment": enjoyment_of(paces(folder)),
         "provenance": {
             "protocol_sha256": protocol.sha256,
@@ -92,18 +109,27 @@ def enjoyment_of(answers: pd.DataFrame) -> dict[str, Any]:
     ----------
     answers : DataFrame
         The columns of `analysis.tables.PACES`.
+
+    Returns
+    -------
+    dict
+        Of all 18 items; under ``five_items``, the same of the five that other studies asked.
     """
+    return _enjoyment_of(answers, PACES) | {"five_items": _enjoyment_of(answers, enjoyment.FIVE_ITEMS)}
+
+
+def _enjoyment_of(answers: pd.DataFrame, items: tuple[Item, ...]) -> dict[str, Any]:
     import pandas as pd
 
-    items = answers.drop(columns="participant_id")
-    people = [{str(name): value for name, value in row.dropna().items()} for _, row in items.iterrows()]
-    scores = [score for person in people if (score := enjoyment.score(person)) is not None]
+    asked = answers[[item.name for item in items]]
+    people = [{str(name): value for name, value in row.dropna().items()} for _, row in asked.iterrows()]
+    scores = [score for person in people if (score := enjoyment.score(person, items=items)) is not None]
     if not scores:
         return {"participants": 0}
     measures = ("total", "percent_of_maximum", "percent_of_range", "item_mean")
     values = pd.DataFrame([{measure: getattr(score, measure) for measure in measures} for score in scores])
     spread = values.std(ddof=1)
-    keyed = [enjoyment.keyed(person) for person in people if len(person) == items.shape[1]]
+    keyed = [enjoyment.keyed(person, items=items) for person in people if len(person) == len(items)]
     return {
         "version": scores[0].version,
         "participants": len(scores),

@@ -9,6 +9,9 @@ from studykit.analysis.dynamic_time_warping import Definition
 from studykit.analysis.heart_rate import Maximum
 from studykit.protocol.study_protocol import StudyProtocol
 
+Window = Literal["perform", "perform+30", "watch+perform"]
+"""When the heart rate counts."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Choices:
@@ -36,7 +39,7 @@ class Choices:
         A trial counts if heart rate and skeleton were seen for at least this share of it, 0 to 1.
     """
 
-    window: Literal["perform", "perform+30", "watch+perform"]
+    window: Window
     heart_source: Literal["belt", "beats"] = "belt"
     maximum: Maximum
     vigorous_fraction: float

@@ -2,41 +2,22 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
+from studykit.analysis.planned import Course
 from studykit.core.arrays import Floats
 from studykit.io.protocol_file import read_protocol
-from studykit.motion import energy, kinematics
 from studykit.reports import readable
 from studykit.reports.choices import Choices
 from studykit.reports.measured import Kind, measured, power, stretches_s
 from studykit.reports.place import AnyStudy, folder_of
+from studykit.reports.trial import asked_steps
 from studykit.reports.trials import table_of
-
-
-class Curves(NamedTuple):
-    """One condition over the time of its dance.
-
-    Attributes
-    ----------
-    participants : tuple of str
-        Who danced it, in the order of the study; only trials that are analysed.
-    times_s : ndarray, shape (time,), s
-        The middles of equal stretches, from the start of the dance.
-    values : ndarray, shape (participant, time)
-        NaN where nothing is known.
-    """
-
-    participants: tuple[str, ...]
-    times_s: Floats
-    values: Floats
 
 
 def curves(
     study: AnyStudy, kind: Kind, *, choices: Choices | None = None, workers: int | None = None
-) -> dict[str, Curves]:
+) -> dict[str, Course]:
     """Give the curves of everybody, by condition.
 
     Parameters
@@ -53,7 +34,7 @@ def curves(
 
     Returns
     -------
-    dict of str to Curves
+    dict of str to Course
         In the order of the protocol's conditions; nobody's values where nobody danced one.
     """
     folder = folder_of(study)
@@ -67,7 +48,7 @@ def curves(
         if counts and len(values) == len(times_s):
             people.setdefault(trial.row["condition"], {})[trial.row["participant"]] = values
     return {
-        name: Curves(
+        name: Course(
             participants=tuple(values),
             times_s=times_s,
             values=np.reshape(list(values.values()), (len(values), len(times_s))),
@@ -80,10 +61,6 @@ def asked_energy(study: AnyStudy) -> dict[str, tuple[Floats, Floats]]:
     """Give the energy of each dance as shown: condition to times, s, and J/kg per s in the same stretches."""
     asked = {}
     for name, dance in readable.dances(folder_of(study)).by_condition.items():
-        motion = dance.motion
-        times_s = stretches_s(motion.duration_s)
-        centred = kinematics.centred_positions(motion.skeleton, motion.rotations)
-        linear = energy.linear_energy_steps(centred, motion.frame_rate_hz)
-        rotational = energy.rotational_energy_steps(motion.rotations, motion.frame_rate_hz)
-        asked[name] = (times_s, power(linear, rotational, motion.frame_rate_hz, len(times_s)))
+        times_s = stretches_s(dance.motion.duration_s)
+        asked[name] = (times_s, power(*asked_steps(dance), dance.motion.frame_rate_hz, len(times_s)))
     return asked

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from studykit.analysis import heart_rate
+from studykit.analysis.dynamic_time_warping import Alignment
 from studykit.choreography.dance import Dance
 from studykit.core.arrays import Floats
 from studykit.core.parallel import spread
@@ -149,7 +150,7 @@ class _Visit:
         if tracks is not None and dance is not None:
             noise = self._noise(dance.motion.frame_rate_hz)
             movement = movement_measures(tracks, step.start_s, dance, self.choices, noise=noise)
-        row = self._origin(step) | _of_heart(heart) | _of_movement(movement) | _of_dance(dance)
+        row = self._origin(step) | columns_of_heart(heart) | _of_movement(movement) | _of_dance(dance)
         return MeasuredTrial(
             row=row | self._verdict(step, heart, movement),
             curves=self._curves(step, dance, movement),
@@ -235,7 +236,8 @@ def _averaged(values: Floats, stretches: int) -> Floats:
     return np.array([part.mean() for part in np.array_split(values, stretches)])
 
 
-def _of_heart(heart: HeartMeasures) -> dict[str, Any]:
+def columns_of_heart(heart: HeartMeasures) -> dict[str, float]:
+    """Give what is measured of the heart by the columns of `analysis.tables.TRIALS`."""
     return {
         "heart_rate_mean_bpm": heart.mean_bpm,
         "heart_rate_peak_bpm": heart.peak_bpm,
@@ -248,15 +250,22 @@ def _of_heart(heart: HeartMeasures) -> dict[str, Any]:
     }
 
 
+def columns_of_alignment(alignment: Alignment) -> dict[str, float]:
+    """Give the distance from the guide by the columns of `analysis.tables.TRIALS`."""
+    return {
+        "dtw_m": alignment.distance_m,
+        "dtw_lag_s": alignment.lag_s,
+        "dtw_lag_sd_s": alignment.lag_sd_s,
+        **{f"dtw_{limb}_m": alignment.limb_m(limb) for limb in ("arms", "legs", "trunk")},
+    }
+
+
 def _of_movement(movement: MovementMeasures | None) -> dict[str, Any]:
     if movement is None:
         return {"skeleton_coverage": 0.0}
     found: dict[str, Any] = {
-        "dtw_m": movement.alignment.distance_m,
-        "dtw_lag_s": movement.alignment.lag_s,
-        "dtw_lag_sd_s": movement.alignment.lag_sd_s,
         "skeleton_coverage": movement.coverage,
-        **{f"dtw_{limb}_m": movement.alignment.limb_m(limb) for limb in ("arms", "legs", "trunk")},
+        **columns_of_alignment(movement.alignment),
     }
     if movement.body is not None:
         found |= {

@@ -12,7 +12,7 @@ from studykit.analysis import heart_rate
 from studykit.analysis.beats import Beats, corrected, rates
 from studykit.analysis.common_body import COMMON_WEIGHTS, common_space, resampled, same_front
 from studykit.analysis.dynamic_time_warping import Alignment, align
-from studykit.analysis.smoothness import log_dimensionless_jerk
+from studykit.analysis.smoothness import log_dimensionless_jerk, squared_jerk
 from studykit.choreography.dance import Dance
 from studykit.core.arrays import Floats
 from studykit.motion import energy, kinematics
@@ -28,6 +28,8 @@ SHORTEST_BONE_M = 0.08
 """A trembling of 5 mm turns a bone of this length by 4 degrees; what is shorter is not asked how it turns."""
 CUTOFF_HZ = 6.0
 """Faster than this a camera trembles rather than a person dances (Winter 2009)."""
+SMOOTHNESS_CUTOFF_HZ = 4.0
+"""Jerk is the third derivative: up to 6 Hz it would be mostly the camera's."""
 ENDS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle")
 """Whose smoothness is measured."""
 MAIN_JOINTS = tuple(
@@ -82,7 +84,7 @@ class BodyMeasures:
         therefore be negative.
     noise_share : float
         Share of the seen energy that was trembling and was taken off; NaN where nobody was seen standing
-        still, so that nothing could be.
+        still, so that nothing could be, of the jerk neither.
     smoothness : float
         Log dimensionless jerk, mean of wrists and ankles.
     ranges_of_motion : ndarray, shape (24,), rad
@@ -243,17 +245,26 @@ def _recovery_bpm(record: SessionRecord, step: StepRecord, readings: Readings, l
 
 
 class Trembling(NamedTuple):
-    """What a camera's trembling adds to the energy of a step, joint by joint, shape (24,), J/kg."""
+    """What a camera's trembling adds to a movement.
+
+    Attributes
+    ----------
+    linear, rotational : ndarray, shape (24,), J/kg
+        To the energy of each joint in a step.
+    jerk : ndarray, shape (4,), m^2/s^6
+        To the squared jerk of `ENDS`.
+    """
 
     linear: Floats
     rotational: Floats
+    jerk: Floats
 
 
 def trembling(still: JointTracks, frame_rate_hz: float) -> Trembling | None:
-    """Tell how much energy a camera sees in somebody who stands still.
+    """Tell how much a camera sees somebody move who stands still.
 
-    Trembling and movement are independent, so their squared speeds add up: what is seen in somebody who
-    stands still can be taken off what is seen in the same person dancing.
+    Trembling and movement are independent, so their squared speeds (and jerks) add up: what is seen in
+    somebody who stands still can be taken off what is seen in the same person dancing.
 
     Parameters
     ----------
@@ -275,7 +286,8 @@ def trembling(still: JointTracks, frame_rate_hz: float) -> Trembling | None:
     if smooth is None or len(smooth) < frame_rate_hz:
         return None
     linear, rotational = _steps(smooth, _rotations(smooth), frame_rate_hz)
-    return Trembling(linear.mean(axis=0), rotational.mean(axis=0))
+    jerk = squared_jerk(_ends(smooth, frame_rate_hz), frame_rate_hz)
+    return Trembling(linear.mean(axis=0), rotational.mean(axis=0), jerk)
 
 
 def movement_measures(
@@ -301,22 +313,58 @@ def movement_measures(
     noise : Trembling, optional
         What the camera's trembling adds to the energy.
     """
+    both = side_by_side(tracks, start_s, dance, choices)
+    if both is None:
+        return None
+    rate = dance.motion.frame_rate_hz
+    smooth = _smooth(tracks, start_s + np.arange(len(dance.motion)) / rate, rate)
+    return MovementMeasures(
+        alignment=aligned(both, choices),
+        coverage=float(np.isfinite(both.danced).all(axis=-1).mean()),
+        body=None if smooth is None else _body_measures(smooth, rate, noise),
+    )
+
+
+class SideBySide(NamedTuple):
+    """A dance as shown and as somebody danced it, in one space.
+
+    Attributes
+    ----------
+    guide, danced : ndarray, shape (frame, 15, 3), m
+        See `common_space`; NaN where a joint was not seen.
+    frame_rate_hz : float
+    """
+
+    guide: Floats
+    danced: Floats
+    frame_rate_hz: float
+
+
+def side_by_side(tracks: JointTracks, start_s: float, dance: Dance, choices: Choices) -> SideBySide | None:
+    """Put what a camera saw beside the dance that was shown; None where it never saw the body's front.
+
+    Parameters
+    ----------
+    tracks, start_s, dance, choices
+        As for `movement_measures`.
+    """
     rate = dance.motion.frame_rate_hz
     grid = start_s + np.arange(len(dance.motion)) / rate
     seen = resampled(tracks, grid, longest_gap_s=choices.band_s or _LONGEST_GAP_S)
     front = [place for place, name in enumerate(tracks.joint_names) if name in _FRONT]
     if not np.isfinite(seen[:, front]).all(axis=(1, 2)).any():
         return None
-    guide, danced = _guide(dance), common_space(seen, tracks.joint_names, frame_rate_hz=rate)
+    danced = common_space(seen, tracks.joint_names, frame_rate_hz=rate)
+    return SideBySide(guide=_guide(dance), danced=danced, frame_rate_hz=rate)
+
+
+def aligned(both: SideBySide, choices: Choices) -> Alignment:
+    """Pair the frames of a dance as shown and as danced; `choices` give the band and the distance."""
+    rate = both.frame_rate_hz
     band = None if choices.band_s is None else round(choices.band_s * rate)
-    turned = same_front(guide, danced, len(guide) if band is None else band)
+    turned = same_front(both.guide, both.danced, len(both.guide) if band is None else band)
     weights = COMMON_WEIGHTS if choices.definition == "mean_joint_distance" else None
-    smooth = _smooth(tracks, grid, rate)
-    return MovementMeasures(
-        alignment=align(guide, turned, band, weights, frame_rate_hz=rate, definition=choices.definition),
-        coverage=float(np.isfinite(danced).all(axis=-1).mean()),
-        body=None if smooth is None else _body_measures(smooth, rate, noise),
-    )
+    return align(both.guide, turned, band, weights, frame_rate_hz=rate, definition=choices.definition)
 
 
 def _body_measures(smooth: Floats, rate: float, noise: Trembling | None) -> BodyMeasures:
@@ -327,13 +375,23 @@ def _body_measures(smooth: Floats, rate: float, noise: Trembling | None) -> Body
         seen = linear.sum() + rotational.sum()
         linear, rotational = linear - noise.linear, rotational - noise.rotational
         share = min(1.0, 1.0 - (linear.sum() + rotational.sum()) / seen) if seen > 0.0 else np.nan
-    ends = [NEUTRAL_BODY.index(name) for name in ENDS]
+    jerk = 0.0 if noise is None else noise.jerk
     return BodyMeasures(
         linear_steps=linear,
         rotational_steps=rotational,
         noise_share=share,
-        smoothness=float(log_dimensionless_jerk(smooth[:, ends] - smooth[:, :1], rate).mean()),
+        smoothness=float(log_dimensionless_jerk(_ends(smooth, rate), rate, trembling=jerk).mean()),
         ranges_of_motion=range_of_motion(rotations),
+    )
+
+
+def asked_steps(dance: Dance) -> tuple[Floats, Floats]:
+    """Give the linear and rotational energy that a dance as shown asks for, shape (step, 24), J/kg."""
+    motion = dance.motion
+    centred = kinematics.centred_positions(motion.skeleton, motion.rotations)
+    return (
+        energy.linear_energy_steps(centred, motion.frame_rate_hz),
+        energy.rotational_energy_steps(motion.rotations, motion.frame_rate_hz),
     )
 
 
@@ -351,6 +409,11 @@ def _smooth(tracks: JointTracks, grid_s: Floats, rate: float) -> Floats | None:
     if len(positions) < _FEWEST_FRAMES or not np.all(np.isfinite(positions)):
         return None
     return low_pass(positions, CUTOFF_HZ, rate)
+
+
+def _ends(smooth: Floats, rate: float) -> Floats:
+    ends = smooth[:, [NEUTRAL_BODY.index(name) for name in ENDS]] - smooth[:, :1]
+    return low_pass(ends, SMOOTHNESS_CUTOFF_HZ, rate)
 
 
 def _rotations(smooth: Floats) -> Floats:

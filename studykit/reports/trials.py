@@ -13,10 +13,12 @@ from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
 from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import read_dances
+from studykit.motion.skeleton import JOINT_NAMES
 from studykit.reports import readable, verdicts
 from studykit.reports.choices import Choices
 from studykit.reports.measured import MeasuredTrial, measured
 from studykit.reports.place import AnyStudy, folder_of
+from studykit.reports.trial import asked_steps
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,6 +69,45 @@ def table_of(found: Sequence[MeasuredTrial], protocol_sha256: str) -> pd.DataFra
 
     table = pd.DataFrame([trial.row for trial in found], columns=list(TRIALS.column_names))
     return check(verdicts.across_visits(table.astype(TRIALS.dtypes), protocol_sha256), TRIALS)
+
+
+def joint_energies(
+    study: AnyStudy, *, choices: Choices | None = None, workers: int | None = None
+) -> pd.DataFrame:
+    """Tell how much each joint did of what was danced, and of what was asked, in every trial.
+
+    Returns
+    -------
+    DataFrame
+        One row a trial and joint: participant, session, condition, repetition, joint; linear and rotational
+        energy danced and asked, J/kg over all poses. What was danced is without the camera's trembling, so
+        that a joint that hardly moves can come out below zero.
+    """
+    import pandas as pd
+
+    folder = folder_of(study)
+    asked = {
+        name: np.stack([steps.sum(axis=0) for steps in asked_steps(dance)], axis=1)
+        for name, dance in readable.dances(folder).by_condition.items()
+    }
+    nothing = np.full((len(JOINT_NAMES), 2), np.nan)
+    origin = ("participant", "session", "condition", "repetition")
+    return pd.concat(
+        [
+            pd.DataFrame(
+                {
+                    **{name: trial.row[name] for name in origin},
+                    "joint": JOINT_NAMES,
+                    "linear_energy_danced": trial.joint_energies[:, 0],
+                    "rotational_energy_danced": trial.joint_energies[:, 1],
+                    "linear_energy_asked": asked.get(trial.row["condition"], nothing)[:, 0],
+                    "rotational_energy_asked": asked.get(trial.row["condition"], nothing)[:, 1],
+                }
+            )
+            for trial in measured(folder, choices, workers=workers)
+        ],
+        ignore_index=True,
+    )
 
 
 def paces(study: AnyStudy) -> pd.DataFrame:

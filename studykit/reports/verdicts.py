@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from studykit.analysis.tables import DANCED_AGAIN
 from studykit.recording.session_record import StepRecord
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def of_step(step: StepRecord, last: Mapping[str | None, int]) -> str | None:
         return "interrupted"
     if step.exclusion_reason is not None:
         return step.exclusion_reason
-    return None if last[step.condition] == step.step else "danced again"
+    return None if last[step.condition] == step.step else DANCED_AGAIN
 
 
 def across_visits(trials: pd.DataFrame, protocol_sha256: str) -> pd.DataFrame:
