@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from studykit.cli import show
+from studykit.cli.cores import Dask, Workers, workforce
 from studykit.cli.library import AsJson
 
 Study = Annotated[Path, typer.Argument(help="Folder of a study, such as sessions/demo.")]
@@ -20,6 +21,8 @@ def analyse(
         typer.Option(help="A results.json from before: says which numbers are others now, and why."),
     ] = None,
     *,
+    workers: Workers = None,
+    dask: Dask = None,
     json: AsJson = False,
 ) -> None:
     """Make the table of trials and every test that the protocol declares."""
@@ -29,7 +32,8 @@ def analyse(
     from studykit.reports.place import folder_of
 
     old = None if against is None else read_results(against)  # before it is written anew
-    results = reports.analyse(study, progress=show.progress)
+    with workforce(dask, workers) as hands:
+        results = reports.analyse(study, workers=hands, progress=show.progress)
     new = read_results(folder_of(study).derivatives / "results.json")
     differences = None if old is None else changes(old, new)
     if json:

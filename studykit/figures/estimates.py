@@ -112,8 +112,11 @@ def _draw_panel(axes: Axes, rows: pd.DataFrame, alpha: float, *, has_reference: 
             linewidths=0.9, zorder=3, gid="estimates",
         )  # fmt: skip
     numbers = rows[["estimate", "low", "high", "p"]].to_numpy(float)
+    largest = float(np.nanmax(np.abs(numbers[:, :3]), initial=1e-9))
+    decimals = max(0, 2 - int(np.floor(np.log10(largest))))  # three digits of the largest
     for place, (estimate, low, high, p) in enumerate(numbers):
-        words = f"{estimate:.3g} [{low:.3g}, {high:.3g}]   {_p_words(p)}"
+        told = [f"{value:.{decimals}f}" for value in (estimate, low, high)]
+        words = f"{told[0]} [{told[1]}, {told[2]}]   {_p_words(p)}"
         axes.text(
             1.015, place, words.replace("-", "−"), transform=axes.get_yaxis_transform(), va="center",
             fontsize=6.5, gid="p",

@@ -2,6 +2,7 @@
 
 from studykit.reports.analyse import analyse as analyse
 from studykit.reports.draw import draw as draw
+from studykit.reports.draw import figure as figure
 from studykit.reports.library_page import library_page as library_page
 from studykit.reports.report import read_trials as read_trials
 from studykit.reports.report import report as report

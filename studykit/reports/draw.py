@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
 from studykit.library.dance_file import read_dances
 from studykit.recording.study_folder import StudyFolder
@@ -20,7 +21,7 @@ from studykit.reports.trials import trials
 if TYPE_CHECKING:
     from studykit.figures.canvas import PaperFigure
 
-__all__ = ["DRAWINGS", "FORMATS", "Drawing", "Material", "chosen", "draw", "material_of", "save"]
+__all__ = ["DRAWINGS", "FORMATS", "Drawing", "Material", "chosen", "draw", "figure", "material_of", "save"]
 
 FORMATS = ("svg", "pdf", "png")
 
@@ -29,7 +30,7 @@ def draw(
     study: AnyStudy,
     *,
     only: Sequence[str] | None = None,
-    dances: Sequence[Path | str] = (),
+    dances: Sequence[Dance | Path | str] = (),
     with_tables: bool = False,
 ) -> tuple[Path, ...]:
     """Draw the figures of a study, each as SVG, PDF and PNG.
@@ -43,9 +44,9 @@ def draw(
     only : sequence of str, optional
         Which figures: numbers of the paper, such as "7", or names. If not given, all for which something
         was measured.
-    dances : sequence of Path or str
-        Folders of further dances, for figures that the study's own dances cannot show: one that spares
-        joints (1 and 9), one of blocks that differ in intensity (10a) or in variety (10b).
+    dances : sequence of Dance, Path or str
+        Further dances, or folders of them, for figures that the study's own dances cannot show: one that
+        spares joints (1 and 9), one of blocks that differ in intensity (10a) or in variety (10b).
     with_tables : bool
         Whether to write the tables of the paper too, into `derivatives/studykit/tables`.
 
@@ -77,10 +78,33 @@ def draw(
     return tuple(paths)
 
 
-def material_of(folder: StudyFolder, *, dances: Sequence[Path | str] = ()) -> Material:
-    """Gather what the figures and tables of a study are made from; `dances` are folders of further ones."""
-    further = tuple(dance for path in dances for dance in read_dances(Path(path)).values())
-    return Material(folder=folder, trials=trials(folder), further=further)
+def figure(study: AnyStudy, name: str | int, *, dances: Sequence[Dance | Path | str] = ()) -> PaperFigure:
+    """Draw one figure of a study without saving it; a notebook shows it.
+
+    Parameters
+    ----------
+    study : Study, StudyFolder, Path or str
+        Where it was recorded.
+    name : str or int
+        Its number in the paper, or its name.
+    dances : sequence of Dance, Path or str
+        See `draw`.
+
+    Raises
+    ------
+    InputError
+        If there is no such figure, or nothing was recorded for it.
+    """
+    (drawing,) = chosen([str(name)])
+    return drawing.of(material_of(folder_of(study), dances=dances))
+
+
+def material_of(folder: StudyFolder, *, dances: Sequence[Dance | Path | str] = ()) -> Material:
+    """Gather what the figures and tables of a study are made from; `dances` are further ones."""
+    further: list[Dance] = []
+    for one in dances:
+        further += [one] if isinstance(one, Dance) else read_dances(Path(one)).values()
+    return Material(folder=folder, trials=trials(folder), further=tuple(further))
 
 
 def chosen(only: Sequence[str] | None) -> tuple[Drawing, ...]:

@@ -13,6 +13,7 @@ MADE = {
     "00_tour": "sessions/tour/derivatives/studykit/report.html",
     "02_design_dances": "sessions/designed/careful.glb",
     "03_build_library": "libraries/notebook/library.html",
+    "05_paper_figures": "sessions/paper/derivatives/studykit/tables/participants.tex",
 }
 """What each notebook leaves at its end."""
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))

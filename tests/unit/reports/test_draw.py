@@ -1,16 +1,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
 from studykit.library.dance_file import read_dances
+from studykit.motion.joint_mask import spare
 from studykit.recording.session_record import read_session
 from studykit.recording.study_folder import StudyFolder
-from studykit.reports.draw import Material, draw
+from studykit.reports.draw import Material, draw, figure
 from studykit.reports.paper_drawings import _strip
 from studykit.reports.trials import trials
 
@@ -41,3 +44,16 @@ def test_curves_are_those_of_the_recordings(recorded_study: Callable[[], Path]) 
     for time_s, shown in zip(strip.times_s, strip.heart_rate_bpm[0], strict=True):
         before = record.heart_rate_times_s <= step.start_s + time_s
         assert shown == record.heart_rate_bpm[np.flatnonzero(before)[-1]]
+
+
+def test_a_notebook_gets_one_figure_without_files(recorded_study: Callable[[], Path]) -> None:
+    study = recorded_study()
+    shown = figure(study, 1, dances=[_sparing_dance(study), *read_dances(StudyFolder(study).dances).values()])
+    assert shown.axes
+    assert not StudyFolder(study).figures.exists()
+    with pytest.raises(InputError, match='no figure "5"'):
+        figure(study, 5)
+
+
+def _sparing_dance(study: Path) -> Dance:
+    return replace(read_dances(StudyFolder(study).dances)["intense-hard-on"], mask=spare("right_elbow"))
