@@ -307,7 +307,7 @@ class Results:
 
         The fields of a plan stand beside its results, and those of a pair's test beside the pair's own.
         """
-        return dict(_plain(self))
+        return dict(plain(self))
 
 
 def p_text(p: float) -> str:
@@ -398,18 +398,18 @@ def _term_text(term: Term) -> str:
     return f"{term.name}: F({numerator:g}, {denominator:.1f}) = {term.f:.2f}, {p_text(term.p)}"
 
 
-def _plain(value: Any) -> Any:
-    """Turn results into dictionaries, lists, numbers and words."""
+def plain(value: Any) -> Any:
+    """Turn results into dictionaries, lists, numbers and words, ready for JSON."""
     if isinstance(value, Part):
         return value.model_dump(mode="json")
     if is_dataclass(value) and not isinstance(value, type):
-        entries = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+        entries = {field.name: plain(getattr(value, field.name)) for field in fields(value)}
         # What was planned, or the test of a pair, stands beside what came out, without a level of its own.
         return entries.pop("plan", {}) | entries.pop("test", {}) | entries
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
+        return {key: plain(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
+        return [plain(entry) for entry in value]
     return value

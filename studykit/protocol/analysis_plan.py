@@ -35,6 +35,8 @@ OUTCOMES: tuple[str, ...] = (
 
 Correction = Literal["holm", "closed", "bonferroni", "none"]
 Factor = Literal["intensity", "variety", "transition"]
+Curve = Literal["heart_rate", "distance", "energy"]
+"""What can be followed over the time of a dance."""
 
 MOST_CLOSED = 6
 """Conditions that closed testing can compare: the ways to group more are too many."""
@@ -188,7 +190,7 @@ class CurvePlan(Part):
     """One comparison of conditions at every moment of the dance."""
 
     name: str = Field(min_length=1, description="what the results call this comparison")
-    curve: Literal["heart_rate", "distance", "energy"] = Field(
+    curve: Curve = Field(
         description="what is followed over time: heart rate, distance to the guide, or energy danced"
     )
     conditions: tuple[str, ...] = Field(min_length=2, description="the conditions compared")

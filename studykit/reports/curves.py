@@ -7,16 +7,17 @@ import numpy as np
 from studykit.analysis.planned import Course
 from studykit.core.arrays import Floats
 from studykit.io.protocol_file import read_protocol
+from studykit.protocol.analysis_plan import Curve
 from studykit.reports import readable
 from studykit.reports.choices import Choices
-from studykit.reports.measured import Kind, measured, power, stretches_s
+from studykit.reports.measured import measured, power, stretches_s
 from studykit.reports.place import AnyStudy, folder_of
 from studykit.reports.trial import asked_steps
 from studykit.reports.trials import table_of
 
 
 def curves(
-    study: AnyStudy, kind: Kind, *, choices: Choices | None = None, workers: int | None = None
+    study: AnyStudy, kind: Curve, *, choices: Choices | None = None, workers: int | None = None
 ) -> dict[str, Course]:
     """Give the curves of everybody, by condition.
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from studykit.core.progress import Progress, silent
 from studykit.core.provenance import sha256_of_value
 from studykit.io.protocol_file import read_protocol
 from studykit.motion.skeleton import JOINT_NAMES
+from studykit.protocol.analysis_plan import Curve
 from studykit.protocol.condition import Condition
 from studykit.recording.session_record import SessionRecord, StepRecord
 from studykit.recording.study_folder import StudyFolder
@@ -34,8 +35,6 @@ from studykit.reports.trial import (
     trembling,
 )
 
-Kind = Literal["heart_rate", "distance", "energy"]
-"""What is followed over the time of a dance."""
 CURVE_STEP_S = 0.5
 """The length of the stretches over which curves are averaged, s."""
 
@@ -57,7 +56,7 @@ class MeasuredTrial:
     """
 
     row: Mapping[str, Any]
-    curves: Mapping[Kind, Floats]
+    curves: Mapping[Curve, Floats]
     joint_energies: Floats
 
 
@@ -201,7 +200,7 @@ class _Visit:
 
     def _curves(
         self, step: StepRecord, dance: Dance | None, movement: MovementMeasures | None
-    ) -> dict[Kind, Floats]:
+    ) -> dict[Curve, Floats]:
         times_s = stretches_s(dance.motion.duration_s) if dance is not None else np.empty(0)
         heart = heart_rate.standing(
             self.readings.times_s,

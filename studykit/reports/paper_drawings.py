@@ -9,16 +9,16 @@ from studykit import figures
 from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
 from studykit.figures.samples import ORDER
+from studykit.protocol.analysis_plan import Curve
 from studykit.reports import simulated_people
 from studykit.reports.curves import curves
 from studykit.reports.material import Drawing, Material
-from studykit.reports.measured import Kind
 from studykit.reports.pipeline import PIPELINE
 
 if TYPE_CHECKING:
     from studykit.figures.canvas import PaperFigure
 
-_SIMULATED: dict[Kind, Callable[[Dance], figures.PeopleCurve]] = {
+_SIMULATED: dict[Curve, Callable[[Dance], figures.PeopleCurve]] = {
     "heart_rate": simulated_people.heart_rates,
     "distance": simulated_people.distances,
 }
@@ -64,7 +64,7 @@ def _sparing_profile(material: Material) -> PaperFigure:
     )
 
 
-def _people(material: Material, dance: Dance, kind: Kind) -> tuple[figures.PeopleCurve, bool]:
+def _people(material: Material, dance: Dance, kind: Curve) -> tuple[figures.PeopleCurve, bool]:
     """Give what people showed in a dance, or what simulated ones would, and whether they were simulated."""
     simulated = _SIMULATED[kind]
     if dance not in material.dances.values():
@@ -103,7 +103,7 @@ def _varying_variety(material: Material) -> PaperFigure:
 
 
 def _varying(
-    material: Material, goal: figures.Measure, kind: Kind, measures: tuple[figures.Measure, ...]
+    material: Material, goal: figures.Measure, kind: Curve, measures: tuple[figures.Measure, ...]
 ) -> PaperFigure:
     dance = _scheduled(material, goal)
     curve, simulated = _people(material, dance, kind)

@@ -19,10 +19,11 @@ from studykit.participant.effects import PAPER, Effects, Response
 from studykit.participant.heart_rate_kinetics import Heart
 from studykit.participant.movement import LARGEST_ERROR_M, delays_s
 from studykit.participant.person import Person, cohort
-from studykit.reports.measured import Kind, stretches_s
+from studykit.protocol.analysis_plan import Curve
+from studykit.reports.measured import stretches_s
 from studykit.session.simulated_movement import copy, delayed, own_size
 
-LABELS: dict[Kind, str] = {
+LABELS: dict[Curve, str] = {
     "heart_rate": "Heart rate\n(beats/min)",
     "distance": "Distance from\nthe guide (DTW, m)",
 }

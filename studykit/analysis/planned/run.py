@@ -14,7 +14,7 @@ from studykit.analysis.planned.relation import correlate
 from studykit.analysis.planned.values import refuse_repeats
 from studykit.analysis.results import Results
 from studykit.core.errors import InputError
-from studykit.protocol.analysis_plan import AnalysisPlan
+from studykit.protocol.analysis_plan import AnalysisPlan, Curve
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _NEEDED = ("participant", "session", "condition", "is_valid", "exclusion_reason", "simulated")
 
 
-Courses = Mapping[str, Mapping[str, Course]]
+Courses = Mapping[Curve, Mapping[str, Course]]
 """What was measured over time: by the kind of curve, then by condition."""
 
 
