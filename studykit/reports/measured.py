@@ -81,7 +81,7 @@ def measured(
         Told of each visit.
     """
     choices = choices or Choices.of(read_protocol(folder.protocol))
-    key = (folder.path, _stamp(folder), choices)
+    key = (folder.path, readable.stamp(folder), choices)
     if key not in _REMEMBERED:
         found = tuple(_measured_now(folder, choices, workers, progress))
         while len(_REMEMBERED) >= _MOST_REMEMBERED:
@@ -94,21 +94,11 @@ _MOST_REMEMBERED = 4
 _REMEMBERED: dict[tuple[Path, str, Choices], tuple[MeasuredTrial, ...]] = {}
 
 
-def _stamp(folder: StudyFolder) -> str:
-    """Tell whether any file that was recorded changed, without reading it."""
-    files = [
-        (str(path), path.stat().st_size, path.stat().st_mtime_ns)
-        for path in sorted(folder.path.rglob("*"))
-        if path.is_file() and folder.derivatives not in path.parents
-    ]
-    return sha256_of_value(files)
-
-
 def _measured_now(
     folder: StudyFolder, choices: Choices, workers: int | None, progress: Progress
 ) -> Iterator[MeasuredTrial]:
     records = readable.visits(folder).records
-    stamp = _stamp(folder)
+    stamp = readable.stamp(folder)
     jobs = ((record, folder.path, stamp, choices) for record in records)
     results = spread(_trials_of, jobs, workers=workers)
     for trials in progress(results, label="Measuring visits", total=len(records)):

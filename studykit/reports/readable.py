@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 
 from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
+from studykit.core.provenance import sha256_of_value
 from studykit.library.dance_file import read_dance
 from studykit.motion.motion import JointTracks
 from studykit.recording.session_record import SessionRecord, StepRecord, read_session
@@ -35,14 +39,30 @@ class Dances:
         return dance if dance is not None and told in (None, dance.sha256) else None
 
 
+def stamp(folder: StudyFolder) -> str:
+    """Give what changes when a file of the study does, but for its derivatives; no file is read."""
+    files = []
+    for root, folders, names in os.walk(folder.path):
+        folders[:] = sorted(name for name in folders if Path(root, name) != folder.derivatives)
+        for name in sorted(names):
+            found = os.stat(os.path.join(root, name))  # noqa: PTH116, PTH118 - of thousands of files
+            files.append((root, name, found.st_size, found.st_mtime_ns))
+    return sha256_of_value(files)
+
+
 def visits(folder: StudyFolder) -> Visits:
-    """Read every visit of a study that can be read.
+    """Read every visit of a study that can be read; from memory as long as no file changed.
 
     Raises
     ------
     InputError
         If none can; it is what the first of them lacks.
     """
+    return _visits(folder, stamp(folder))
+
+
+@lru_cache(maxsize=2)
+def _visits(folder: StudyFolder, stamp: str) -> Visits:  # noqa: ARG001
     records, errors = [], []
     for path in folder.sessions():
         try:
