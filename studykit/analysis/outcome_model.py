@@ -11,6 +11,7 @@ import numpy as np
 
 from studykit.core.arrays import Floats, Integers
 from studykit.core.errors import InputError
+from studykit.protocol.study_protocol import StudyProtocol
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -187,6 +188,36 @@ def model_of(
         lost=1.0 - len(kept) / len(trials),
         scale=scale,
     )
+
+
+def models_of(
+    protocol: StudyProtocol, trials: pd.DataFrame, *, with_order: bool = False
+) -> tuple[OutcomeModel, ...]:
+    """Estimate the model of every outcome that the protocol's tests compare and the trials hold.
+
+    Parameters
+    ----------
+    protocol : StudyProtocol
+        Gives the tests, and the scale of ratings.
+    trials : DataFrame
+        Of a pilot, real or simulated; see `model_of`.
+    with_order : bool
+        Estimate period and carry-over too.
+
+    Raises
+    ------
+    InputError
+        As `model_of`, or if the trials hold none of the outcomes.
+    """
+    outcomes = dict.fromkeys(test.outcome for test in protocol.analysis.tests)
+    scales = {"smoothness_rating": protocol.questionnaires.smoothness.scale}
+    held = [name for name in outcomes if name in trials.columns and trials[name].notna().any()]
+    if not held:
+        raise InputError(
+            f"the pilot holds none of {', '.join(outcomes) or 'the outcomes of declared tests'}",
+            remedy="give trials in which they were measured",
+        )
+    return tuple(model_of(trials, name, scale=scales.get(name), with_order=with_order) for name in held)
 
 
 def _design(kept: pd.DataFrame, outcome: str, conditions: Sequence[str], *, with_order: bool) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from studykit.cli import analyse, check, choreograph, cohort, demo, library, session
+from studykit.cli import analyse, check, choreograph, cohort, demo, library, power, session
 
 app = typer.Typer(
     name="studykit",
@@ -23,3 +23,4 @@ app.command("analyse")(analyse.analyse)
 app.command("figures")(analyse.figures)
 app.command("report")(analyse.report)
 app.command("check", help=check.HELP)(check.check)
+app.command("power")(power.power)
