@@ -40,6 +40,7 @@ MAIN_JOINTS = tuple(
 _FRONT = ("pelvis", "left_hip", "right_hip", "left_shoulder", "right_shoulder")
 _EFFORTS = ("train", "watch", "perform")
 _FEWEST_FRAMES = 30
+_LEAST_STILL_S = 2.0
 _LONGEST_GAP_S = 1.0  # without sight of a joint, where any lateness is allowed
 
 
@@ -276,14 +277,14 @@ def trembling(still: JointTracks, frame_rate_hz: float) -> Trembling | None:
     Returns
     -------
     Trembling or None
-        None if it was seen for less than a second, or a joint never.
+        None if it was seen for less than two seconds, or a joint never.
     """
     if len(still) < 2:
         return None
     smooth = _smooth(
         still, np.arange(still.times_s[0], still.times_s[-1], 1.0 / frame_rate_hz), frame_rate_hz
     )
-    if smooth is None or len(smooth) < frame_rate_hz:
+    if smooth is None or len(smooth) < _LEAST_STILL_S * frame_rate_hz:
         return None
     linear, rotational = _steps(smooth, _rotations(smooth), frame_rate_hz)
     jerk = squared_jerk(_ends(smooth, frame_rate_hz), frame_rate_hz)
