@@ -54,6 +54,7 @@ COMPILED = (
         for room in ("compiling", "moving", "running", "weighing")
     ),
     "studykit.motion.clearance",
+    "studykit.analysis.warping_kernel",
 )
 
 IMPORT_EVERYTHING = f"""
