@@ -1,5 +1,7 @@
 """Tables and arrays in, matplotlib figures out."""
 
+from studykit.figures.courses import Course as Course
+from studykit.figures.courses import compared_courses as compared_courses
 from studykit.figures.estimates import forest as forest
 from studykit.figures.estimates import sensitivity as sensitivity
 from studykit.figures.film import film_strip as film_strip

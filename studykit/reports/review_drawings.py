@@ -9,7 +9,9 @@ from studykit.analysis.tables import TRIALS
 from studykit.choreography.dance import Dance
 from studykit.core.errors import InputError
 from studykit.figures.samples import ORDER
+from studykit.reports.curves import curves
 from studykit.reports.material import Drawing, Material
+from studykit.reports.simulated_people import LABELS as CURVE_LABELS
 from studykit.reports.trials import dances
 
 if TYPE_CHECKING:
@@ -90,12 +92,40 @@ def _end(interval: Any, place: int) -> float:
     return float("nan") if interval is None else float(interval[place])
 
 
+def _courses(material: Material) -> PaperFigure:
+    found = [one for one in material.results.get("curves") or () if one["found"] is not None]
+    if not found:
+        raise InputError(
+            "no curves were compared",
+            where="results.json",
+            remedy="declare [[analysis.curves]] in the protocol",
+        )
+    courses = []
+    for one in found:
+        known = curves(material.folder, one["curve"])
+        of = {
+            name: figures.PeopleCurve(
+                label=CURVE_LABELS[one["curve"]], times_s=known[name].times_s, values=known[name].values
+            )
+            for name in one["conditions"]
+        }
+        clusters = [(part["start_s"], part["stop_s"], part["p"]) for part in one["found"]["clusters"]]
+        courses.append(figures.Course(curves=of, clusters=clusters))
+    return figures.compared_courses(
+        courses, alpha=float(material.results["alpha"]), simulated=material.is_simulated
+    )
+
+
+def _without_unit(label: str) -> str:
+    return label.rpartition(" (")[0] or label
+
+
 def _sensitivity(material: Material) -> PaperFigure:
     import pandas as pd
 
     rows = [
         {
-            "outcome": f"{axis_label(row['outcome'])}: Kendall's W",
+            "outcome": f"{_without_unit(axis_label(row['outcome']))}: Kendall's W",
             "choice": row["choice"],
             "estimate": row["kendalls_w"],
             "low": _end(row["kendalls_w_interval"], 0),
@@ -162,6 +192,12 @@ REVIEWED: tuple[Drawing, ...] = (
         name="differences",
         caption=f"Differences of the pairs declared: Hodges-Lehmann shifts, first minus second. {_ESTIMATES}",
         of=_forest,
+    ),
+    Drawing(
+        name="courses",
+        caption="The course of what people did over the time of a dance: means with their 95 % intervals; "
+        "bars below: stretches in which the conditions differ (cluster-based permutation test, p corrected).",
+        of=_courses,
     ),
     Drawing(
         name="sensitivity",

@@ -26,6 +26,7 @@ from studykit.session.simulated_movement import copy, delayed, own_size
 LABELS: dict[Curve, str] = {
     "heart_rate": "Heart rate\n(beats/min)",
     "distance": "Distance from\nthe guide (DTW, m)",
+    "energy": "Energy danced\n(J/kg per s)",
 }
 """What the axes of people's curves say."""
 

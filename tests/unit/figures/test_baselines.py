@@ -69,12 +69,16 @@ class Made:
     def powers(self) -> pd.DataFrame:
         return pd.DataFrame(
             [
-                {"test": test, "participants": n, "power": power, "low": power - 0.05, "high": power + 0.04}
-                for test, slope in (("heart rate", 8.0), ("smoothness", 30.0))
-                for n in (8, 16, 24, 32)
-                for power in [float(1.0 - np.exp(-n / slope))]
+                {
+                    "test": test, "question": question, "participants": people, "power": power,
+                    "low": power - 0.05, "high": power + 0.04,
+                }
+                for test, slope in (("heart_rate", 8.0), ("smoothness", 30.0))
+                for question, factor in (("conditions differ", 1.0), ("any pair", 1.6), ("a - b", 3.0))
+                for people in (8, 16, 24, 32)
+                for power in [float(1.0 - np.exp(-people / slope / factor))]
             ]
-        )
+        )  # fmt: skip
 
 
 LABELS = {"heart_rate_mean_bpm": "Mean heart rate (beats/min)", "dtw_m": "Movement (DTW) distance (m)"}
@@ -117,6 +121,15 @@ FIGURES: dict[str, Callable[[Made], PaperFigure]] = {
     "forest": lambda made: figures.forest(made.pairs(), simulated=True),
     "sensitivity": lambda made: figures.sensitivity(made.pairs(), simulated=True),
     "power": lambda made: figures.power_curve(made.powers()),
+    "courses": lambda made: figures.compared_courses(
+        [
+            figures.Course(
+                curves={name: made.curve(32.0, base=90.0 + 10.0 * place) for place, name in enumerate(CELLS)},
+                clusters=((4.0, 12.0, 0.002), (20.0, 23.0, 0.3)),
+            )
+        ],
+        simulated=True,
+    ),
     "searches": lambda made: figures.search_traces([made.dance(), made.dance("ABC")]),
 }  # fmt: skip
 
