@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PAGE, PDF = "report.html", "report.pdf"
+_MOST_WARNINGS = 5
 
 
 def report(study: AnyStudy, *, progress: Progress = silent) -> tuple[Path, Path]:
@@ -117,10 +118,10 @@ def composed(material: Material, results: dict[str, Any], figures: Sequence[Figu
     InputError
         If numbers contradict each other; it names the first.
     """
-    refuse_contradictions(results, material.trials)
+    agreeing = refuse_contradictions(results, material.trials)
     sections = (
         what_was_done(material, results),
-        quality(material),
+        quality(material, results),
         shown_dances(material),
         by_condition(material),
         declared_tests(results),
@@ -129,7 +130,7 @@ def composed(material: Material, results: dict[str, Any], figures: Sequence[Figu
         enjoyment(results),
         _figures(figures),
         published(results),
-        methods(material, results),
+        methods(material, results, agreeing),
         consort(material, results),
     )
     return Document(
@@ -143,15 +144,16 @@ def composed(material: Material, results: dict[str, Any], figures: Sequence[Figu
     ).numbered()
 
 
-def refuse_contradictions(results: dict[str, Any], trials: pd.DataFrame) -> None:
-    """Refuse results of which a number contradicts another one or the trials.
+def refuse_contradictions(results: dict[str, Any], trials: pd.DataFrame) -> int:
+    """Count the numbers that were found again, and refuse results of which one contradicts the others.
 
     Raises
     ------
     InputError
         Naming the first such number.
     """
-    wrong = [finding for finding in check_results(results, trials) if not finding.is_consistent]
+    findings = check_results(results, trials)
+    wrong = [finding for finding in findings if not finding.is_consistent]
     if wrong:
         more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
         raise InputError(
@@ -159,6 +161,7 @@ def refuse_contradictions(results: dict[str, Any], trials: pd.DataFrame) -> None
             where="results.json",
             remedy="analyse the study again before reporting it",
         )
+    return len(findings)
 
 
 def _figures(figures: Sequence[Figure]) -> Section:
@@ -188,4 +191,9 @@ def _banners(material: Material, results: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _warnings(results: dict[str, Any]) -> tuple[Paragraph, ...]:
-    return tuple(Paragraph(words=str(warning), kind="warning") for warning in results.get("warnings") or ())
+    """Say first what narrows the results; where that is much, the table of all follows under data quality."""
+    said = [f"{one['where']}: {one['words']}" for one in results.get("warnings") or ()]
+    shown, more = said[:_MOST_WARNINGS], len(said) - _MOST_WARNINGS
+    if more > 0:
+        shown.append(f"And {more} more, under data quality.")
+    return tuple(Paragraph(words=words, kind="warning") for words in shown)

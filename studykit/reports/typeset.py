@@ -25,6 +25,8 @@ from studykit.reports.page import embedded, filled
 
 # Letters that fit on a line of a table, and those after which words of a cell are broken.
 _LINE, _WIDEST = 100, 44.0
+# Letters after which a head is broken.
+_HEAD = 22
 
 
 def page(document: Document) -> str:
@@ -32,6 +34,7 @@ def page(document: Document) -> str:
     filters: dict[str, Callable[..., Any]] = {
         "pieces": pieces,
         "embedded": embedded,
+        "plain": plain,
         "kind": lambda block: type(block).__name__,
     }
     return filled("document.html.jinja", filters=filters, document=document)
@@ -106,7 +109,7 @@ def _widths(table: Table) -> list[float]:
     for place, head in enumerate(table.head):
         cells = max((len(plain(row[place])) for row in table.rows), default=0)
         words = max(map(len, plain(head).split()), default=1)
-        widths.append(float(max(cells, words if len(table.head) > 5 else len(plain(head)))))
+        widths.append(float(max(cells, words, min(len(plain(head)), _HEAD))))
     if sum(widths) + 2 * len(widths) <= _LINE:
         return [0.0] * len(widths)
     return [min(max(width, 3.0), _WIDEST) + 1.0 for width in widths]

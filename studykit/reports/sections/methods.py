@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from studykit.reports.document import Block, Paragraph, Section, Table, listed
-from studykit.reports.naming import outcome, titled
+from studykit.reports.naming import condition, outcome, titled, unit
 from studykit.reports.numbers import bounded, number, percent
 
 if TYPE_CHECKING:
@@ -18,8 +18,24 @@ _CORRECTED = {
 }  # fmt: skip
 
 
-def methods(material: Material, results: dict[str, Any]) -> Section:
-    """Write the methods from the protocol, the dances and the versions used."""
+_METHODS = {
+    "mixed_model": "mixed model with a level a participant, period and carry-over",
+    "aligned_ranks": "aligned rank transform",
+}
+
+
+def methods(material: Material, results: dict[str, Any], agreeing: int) -> Section:
+    """Write the methods from the protocol, the dances and the versions used.
+
+    Parameters
+    ----------
+    material : Material
+        The study and its trials.
+    results : dict
+        The content of `results.json`.
+    agreeing : int
+        How many numbers were found again before the report was written.
+    """
     protocol = material.protocol
     conditions = len(protocol.conditions_list())
     design = Paragraph(
@@ -52,7 +68,7 @@ def methods(material: Material, results: dict[str, Any]) -> Section:
         sections=(
             Section(title="Design and measures", blocks=(design, measures, _dances(material))),
             Section(title="Analysis as declared", blocks=tuple(_declared(protocol.analysis))),
-            Section(title="Provenance", blocks=(_provenance(material, results),)),
+            Section(title="Provenance", blocks=(_checked(agreeing), _provenance(material, results))),
         ),
     )
 
@@ -108,7 +124,41 @@ def _declared(plan: AnalysisPlan) -> list[Block]:
         f"Level of significance {bounded(plan.alpha)}, two-sided. Nothing that is not declared is "
         f"called a result."
     )
-    return [*blocks, Paragraph(words=level)]
+    return [*blocks, *_further(plan), Paragraph(words=level)]
+
+
+def _checked(agreeing: int) -> Paragraph:
+    return Paragraph(
+        words=f"Before this report was written, {agreeing} of its numbers were found again, from the trials "
+        "or from "
+        "the numbers beside them: counts, means and medians, ranks, chi-squared and p from statistics, "
+        "effect sizes, "
+        "corrected p, intervals around their estimates. All agree; otherwise there would be no report."
+    )
+
+
+def _further(plan: AnalysisPlan) -> list[Block]:
+    """Tell the models, equivalence tests and curves that were declared."""
+    said = [
+        f"{titled(one.name)}: {outcome(one.outcome)} is explained by {listed(list(one.factors))} with all "
+        "their "
+        f"interactions ({_METHODS.get(one.method, one.method)})."
+        for one in plan.models or ()
+    ]
+    said += [
+        f"{titled(one.name)}: {condition(one.a)} and {condition(one.b)} are the same in "
+        f"{outcome(one.outcome)} if "
+        f"they differ by {number(one.low, 2)} to {number(one.high, 2)} {unit(one.outcome)} (two one-sided "
+        "tests)."
+        for one in plan.equivalences or ()
+    ]
+    said += [
+        f"{titled(one.name)}: {one.curve.replace('_', ' ')} over time is compared between "
+        f"{len(one.conditions)} "
+        "conditions by a cluster permutation test."
+        for one in plan.curves or ()
+    ]
+    return [Paragraph(words=words) for words in said]
 
 
 def _provenance(material: Material, results: dict[str, Any]) -> Table:

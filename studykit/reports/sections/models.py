@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
-from studykit.reports.document import Block, Paragraph, Section, Table, Words, italic
-from studykit.reports.naming import condition, outcome, sentence, titled, with_unit
-from studykit.reports.numbers import anything, number, p_cell
+from studykit.reports.document import Block, Paragraph, Section, Table, Words, italic, listed
+from studykit.reports.naming import condition, outcome, sentence, titled, unit, with_unit
+from studykit.reports.numbers import anything, number, p_cell, p_value
 
 _SYMBOLS: dict[str, Words] = {
     "p": (italic("p"),), "f": (italic("F"),), "t": (italic("t"),), "f_p": (italic("p"), " of F"),
-    "n": (italic("n"),), "numerator_df": "df", "denominator_df": "df of the error",
+    "n": (italic("n"),), "df": "df", "is_equivalent": "Equivalent", "p_low": (italic("p"), " low"),
+    "p_high": (italic("p"), " high"), "numerator_df": "df", "denominator_df": "df of the error",
     "chi_squared": "χ²", "kendalls_w": (italic("W"),), "kendalls_w_interval": "Interval of W",
     "degrees_of_freedom": "df", "standard_error": "SE", "partial_eta_squared": "Partial η²",
     "p_greenhouse_geisser": (italic("p"), " (Greenhouse–Geisser)"), "bayes_factor": "BF₁₀",
@@ -65,15 +68,21 @@ def _opening(key: str) -> tuple[Block, ...]:
 
 
 def _entries(value: Any) -> list[dict[str, Any]]:
-    """Give the parts of a result; those that are all plain values are rows of one table instead."""
+    """Give the parts of a result that have a heading of their own."""
     entries = [entry for entry in (value if isinstance(value, list) else [value]) if isinstance(entry, dict)]
-    return [] if all(map(_is_flat, entries)) else entries
+    return [] if _is_rows(entries) else entries
 
 
 def _flat(value: Any) -> tuple[Block, ...]:
     """Give the parts that are rows of one table."""
     rows = [entry for entry in (value if isinstance(value, list) else []) if isinstance(entry, dict)]
-    return (_table(rows, ""),) if rows and all(map(_is_flat, rows)) else ()
+    return (_table(rows, ""),) if rows and _is_rows(rows) else ()
+
+
+def _is_rows(entries: list[dict[str, Any]]) -> bool:
+    """Tell whether all are plain values; what was not computed has a heading, unless it is but a choice."""
+    failed = any(entry.get("not_computed_because") and "choice" not in entry for entry in entries)
+    return not failed and all(map(_is_flat, entries))
 
 
 def _is_flat(entry: Mapping[str, Any]) -> bool:
@@ -92,23 +101,23 @@ def _entry(entry: dict[str, Any]) -> Section:
     title = f"{titled(name)}: {about}" if name and about else sentence(about) or titled(str(name or "Result"))
     if reason := entry.get("not_computed_because"):
         return Section(title=title, blocks=(Paragraph(words=f"Not computed: {reason}.", kind="warning"),))
-    if entry.get("mixed_model"):
-        return Section(title=title, blocks=tuple(_model(entry["mixed_model"])))
-    if entry.get("effects") and "period_means" in entry["effects"]:
-        return Section(title=title, blocks=tuple(_order(entry)))
+    for is_its_kind, tell in _KINDS:
+        if is_its_kind(entry):
+            return Section(title=title, blocks=tuple(tell(entry)))
     rest = {key: value for key, value in entry.items() if key not in ("name", "outcome")}
     return Section(title=title, blocks=tuple(_blocks(rest)))
 
 
-def _model(fit: Mapping[str, Any]) -> Iterator[Block]:
+def _model(entry: Mapping[str, Any]) -> Iterator[Block]:
     """Tell a mixed model: its terms, the differences between levels, and how much people vary."""
+    fit = entry["mixed_model"]
     yield _table(fit["terms"], "Terms of the model: does the outcome depend on them")
     order = ("period", "sequence", "carry")
     titles = {"means": "Estimated means", "differences": "Differences between levels, first minus second"}
     for key, title in titles.items():
         rows = [row for row in fit.get(key) or [] if not str(row["name"]).startswith(order)]
         if rows:
-            yield _table(rows, title)
+            yield _table(_untested(rows) if key == "means" else rows, title)
     yield Paragraph(
         words=f"{fit['n']} trials of {fit['participants']} participants; standard deviation between "
         "participants "
@@ -125,6 +134,11 @@ def _model(fit: Mapping[str, Any]) -> Iterator[Block]:
     )
 
 
+def _untested(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Leave out the test that a mean is zero, which nobody asks."""
+    return [{key: value for key, value in row.items() if key not in ("t", "p")} for row in rows]
+
+
 def _notes(entry: Mapping[str, Any]) -> Iterator[Paragraph]:
     for note in entry.get("notes") or []:
         yield Paragraph(words=f"{sentence(str(note))}.".replace("..", "."), kind="warning")
@@ -137,8 +151,61 @@ def _order(entry: Mapping[str, Any]) -> Iterator[Block]:
     if found:
         yield _table(found, "Period, sequence and carry-over")
     if effects.get("period_means"):
-        yield _table(effects["period_means"], "Means by period, other things equal")
+        yield _table(_untested(effects["period_means"]), "Means by period, other things equal")
     yield from _notes(effects.get("model") or {})
+
+
+def _factorial(entry: Mapping[str, Any]) -> Iterator[Block]:
+    """Tell the effects of factors after aligned ranks."""
+    effects = entry["effects"]
+    people = f"{effects[0]['n']} participants"
+    if left_out := effects[0].get("left_out"):
+        people += f"; left out for lack of a value: {', '.join(map(str, left_out))}"
+    keys = ("effect", "f", "df", "p", "partial_eta_squared")
+    table = _table([{key: effect.get(key) for key in keys} for effect in effects], "Effects of the factors")
+    yield replace(table, note=f"{sentence(str(effects[0]['variant']))}. {people}.")
+
+
+def _equivalence(entry: Mapping[str, Any]) -> Iterator[Block]:
+    """Tell both ways to test equivalence, in the outcome's unit."""
+    found, measure = entry["found"], unit(entry["outcome"])
+    limits_said = f"between {anything(entry['low'])} and {anything(entry['high'])} {measure}".rstrip()
+    kinds = (("by_t", "means (t)"), ("by_ranks", "signed ranks"))
+    names = ("estimate", "interval", "p_low", "p_high", "p", "is_equivalent")
+    rows = [{"by": words, **{name: found[key][name] for name in names}} for key, words in kinds]
+    table = _table(rows, f"{condition(entry['a'])} − {condition(entry['b'])}: is it {limits_said}")
+    methods = ". ".join(sentence(found[key]["method"]) for key, _ in kinds)
+    yield replace(
+        table,
+        note=f"{found['n']} participants. p low, p high: against a difference at the lower and at the upper "
+        "limit; "
+        f"p: the larger of them. {methods}.",
+    )
+
+
+def _curve(entry: Mapping[str, Any]) -> Iterator[Block]:
+    """Tell where curves differ."""
+    found = entry["found"]
+    compared = listed([condition(name) for name in entry["conditions"]])
+    yield Paragraph(
+        words=f"{compared}: {len(found['clusters'])} stretches above the threshold; p of the largest "
+        f"{p_value(found['p'])}, {found['n']} participants, {found['permutations']} permutations.",
+        kind="result",
+    )
+    if found["clusters"]:
+        yield _table(found["clusters"], "Stretches in which the conditions differ")
+    yield Paragraph(words=f"{sentence(found['method'])}.", kind="note")
+
+
+_KINDS: tuple[
+    tuple[Callable[[Mapping[str, Any]], bool], Callable[[Mapping[str, Any]], Iterator[Block]]], ...
+] = (
+    (lambda entry: bool(entry.get("mixed_model")), _model),
+    (lambda entry: isinstance(entry.get("effects"), dict) and "period_means" in entry["effects"], _order),
+    (lambda entry: isinstance(entry.get("effects"), list) and bool(entry["effects"]), _factorial),
+    (lambda entry: isinstance(entry.get("found"), dict) and "by_ranks" in entry["found"], _equivalence),
+    (lambda entry: isinstance(entry.get("found"), dict) and "clusters" in entry["found"], _curve),
+)
 
 
 def _blocks(entry: Mapping[str, Any], about: str = "") -> Iterator[Block]:
@@ -171,13 +238,28 @@ def _head(key: str) -> Words:
     return _SYMBOLS.get(key, sentence(key.replace("_", " ")))
 
 
+def _effect(name: str) -> str:
+    """Write an effect or an interaction as people read it."""
+    return re.sub(r"(?<=\w):(?=\w)", " × ", name).replace("_", " ")
+
+
+_WORDS: dict[str, Callable[[str], str]] = {
+    "outcome": outcome,
+    "a": condition,
+    "b": condition,
+    "condition": condition,
+    "name": _effect,
+    "effect": _effect,
+}
+
+
 def _cell(key: str, value: Any) -> str:
     if key == "p" or key.endswith("_p") or key.startswith("p_"):
         return p_cell(value) if isinstance(value, int | float) else anything(value)
-    if key == "outcome" and isinstance(value, str):
-        return outcome(value)
-    if key in ("a", "b", "condition") and isinstance(value, str):
-        return condition(value)
+    if isinstance(value, str) and key in _WORDS:
+        return _WORDS[key](value)
+    if key == "df" and isinstance(value, list):
+        return ", ".join(anything(one) for one in value)
     if key in ("f", "t", "chi_squared"):
         return number(value)
     return anything(value)

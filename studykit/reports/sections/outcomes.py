@@ -194,7 +194,7 @@ def _pairs(test: dict[str, Any], alpha: float) -> Table:
         )
     variants = listed(sorted({pair["variant"] for pair in test["pairs"]}))
     methods = listed(sorted({shift["method"] for shift in shifts if shift}))
-    shifted = f" Shift: Hodges-Lehmann, {methods}." if methods else ""
+    shifted = f" Shift: {methods}." if methods else ""
     return Table(
         title=f"Pairs of conditions by Wilcoxon’s signed-rank test; p corrected: "
         f"{test['correction'].capitalize()}.",
@@ -236,7 +236,7 @@ def _variants(test: dict[str, Any]) -> Table:
 def _more(test: dict[str, Any]) -> list[Block]:
     """Tell the test that keeps people who lack a condition, where one was declared."""
     found = test.get("skillings_mack")
-    if not found:
+    if not found or not found["cells_missing"]:
         return []
     words = (
         f"With those who lack a condition kept (Skillings and Mack): {number(found['statistic'])} on "

@@ -24,8 +24,16 @@ _GOALS = {
 }
 
 
-def quality(material: Material) -> Section:
-    """Tell what was measured, what is missing and which trials are not analysed."""
+def quality(material: Material, results: dict[str, Any]) -> Section:
+    """Tell what was measured, what is missing, which trials are not analysed, and what else is wrong.
+
+    Parameters
+    ----------
+    material : Material
+        The study and its trials.
+    results : dict
+        The content of `results.json`.
+    """
     table = material.trials
     excluded = table[~table["is_valid"].astype(bool)]
     blocks: list[Block] = [_coverage(table)]
@@ -33,7 +41,19 @@ def quality(material: Material) -> Section:
         blocks.append(_excluded(excluded))
     else:
         blocks.append(Paragraph(words="No recorded trial was excluded."))
-    return Section(title="Data quality", blocks=(*blocks, _by_sequence(table)))
+    blocks.append(_by_sequence(table))
+    if problems := results.get("warnings"):
+        blocks.append(_problems(problems))
+    return Section(title="Data quality", blocks=tuple(blocks))
+
+
+def _problems(problems: list[dict[str, str]]) -> Table:
+    return Table(
+        title="What narrows what the numbers say.",
+        head=("Where", "What"),
+        rows=tuple((str(one["where"]), str(one["words"])) for one in problems),
+        text_columns=frozenset({1}),
+    )
 
 
 def _coverage(table: pd.DataFrame) -> Table:
