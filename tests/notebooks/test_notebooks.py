@@ -14,6 +14,7 @@ MADE = {
     "02_design_dances": "sessions/designed/careful.glb",
     "03_build_library": "libraries/notebook/library.html",
     "05_paper_figures": "sessions/paper/derivatives/studykit/tables/participants.tex",
+    "06_pilot_and_power": "sessions/power.csv",
 }
 """What each notebook leaves at its end."""
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
