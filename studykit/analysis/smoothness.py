@@ -36,8 +36,9 @@ def log_dimensionless_jerk(
     Notes
     -----
     -ln(T^3 / v^2 x integral of |jerk|^2), with T the duration and v the highest speed: the LDLJ of
-    Balasubramanian et al. 2015 (doi 10.1186/s12984-015-0090-9). It falls with duration (a movement twice as
-    long, of twice as many equal parts, has 3 ln 2 + ln 2 less), so only movements of one length compare.
+    Balasubramanian et al. 2015 (doi 10.1186/s12984-015-0090-9), with the jerk of the way itself, so that
+    turning round counts; on a straight way forwards it is the same as theirs. It falls with duration (by
+    4 ln 2 in a movement twice as long, of twice as many equal parts): only movements of one length compare.
 
     Examples
     --------

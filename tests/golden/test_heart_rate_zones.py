@@ -12,18 +12,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studykit.analysis.heart_rate import ZoneTime, held, seconds_at_or_above
+from studykit.analysis.heart_rate import ZoneTime, held, seconds_at_or_above, zones
 
-Zones = Callable[[np.ndarray, np.ndarray, float, float], ZoneTime]
+Rule = Callable[[np.ndarray, np.ndarray, float, float], ZoneTime]
 PEOPLE = tuple(str(number) for number in range(1, 16))
 
 
-def check(expected: dict[str, Any], times_s: np.ndarray, bpm: np.ndarray, gap_s: float, zones: Zones) -> None:
+def check(expected: dict[str, Any], times_s: np.ndarray, bpm: np.ndarray, gap_s: float, rule: Rule) -> None:
     assert len(bpm) == expected["n"]
     assert (bpm.min(), bpm.max()) == (expected["hr_min"], expected["hr_max"])
     # The file prints milliseconds.
     for threshold, seconds in expected["seconds_at_or_above"].items():
-        found = zones(times_s, bpm, float(threshold), gap_s)
+        found = rule(times_s, bpm, float(threshold), gap_s)
         assert round(found.seconds, 3) == seconds
         assert round(found.counted_s, 3) == expected["counted_s"]
 
@@ -38,6 +38,17 @@ def effort_test(person: str, shared_data: Callable[[str], Path]) -> tuple[Any, n
 @pytest.mark.parametrize("person", PEOPLE)
 def test_zone_seconds_of_the_effort_tests(person: str, shared_data: Callable[[str], Path]) -> None:
     check(*effort_test(person, shared_data), math.inf, seconds_at_or_above)
+
+
+@pytest.mark.parametrize("person", PEOPLE)
+def test_zones_lie_between_the_thresholds_of_the_effort_tests(
+    person: str, shared_data: Callable[[str], Path]
+) -> None:
+    expected, times, bpm = effort_test(person, shared_data)
+    above = expected["seconds_at_or_above"]
+    found = zones(times, bpm, [float(bound) for bound in above], math.inf)
+    seconds = [expected["counted_s"], *above.values(), 0.0]
+    assert [round(zone.seconds, 3) for zone in found] == pytest.approx(-np.diff(seconds))
 
 
 def test_zone_seconds_of_the_chest_strap_at_rest(shared_data: Callable[[str], Path]) -> None:

@@ -24,6 +24,15 @@ def test_a_pendulum_has_the_jerk_that_calculus_says(swings: int) -> None:
     assert found[0] == pytest.approx(-np.log((2.0 * np.pi * swings) ** 4 / 2.0), abs=0.01)
 
 
+def test_the_smoothest_reach_has_the_published_value() -> None:
+    # The minimum-jerk reach has the dimensionless jerk 720 / 1.875^2 = 204.8.
+    t = np.linspace(0.0, 1.0, 4001)
+    way = (10.0 * t**3 - 15.0 * t**4 + 6.0 * t**5)[:, None, None] * [0.3, 0.0, 0.1]
+    assert log_dimensionless_jerk(way, 4000.0)[0] == pytest.approx(-np.log(204.8), abs=0.005)
+    # With a tremor of a centimetre on it, it is far rougher.
+    assert log_dimensionless_jerk(way + 0.01 * np.sin(40.0 * t)[:, None, None], 4000.0)[0] < -7.0
+
+
 @settings(deadline=None, max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 10.0), st.floats(10.0, 120.0))
 def test_neither_size_nor_tempo_nor_place_counts(seed: int, size: float, rate: float) -> None:
