@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -50,7 +51,8 @@ def test_a_command_says_what_changed_and_why(
     old = tmp_path / "old.json"
     old.write_bytes(written(study).read_bytes())
     assert f"Against {old}: every result is as before" in command("--against", str(old))
-    sorted((study / "sourcedata" / "journal").glob("sub-03*.jsonl"))[0].unlink()
+    (study / "sourcedata" / "journal" / "sub-03_ses-01.jsonl").unlink()
+    shutil.rmtree(study / "sub-03")
     said = command("--against", str(old))
     assert "visits" in said
     assert "sub-03_ses-01" in said
