@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studykit.core.arrays import Booleans, Floats, Integers
 from studykit.core.errors import InputError
@@ -150,20 +152,26 @@ def same_front(guide: Floats, danced: Floats, band_frames: int) -> Floats:
     """
     is_seen = np.asarray(np.isfinite(danced).all(axis=-1))
     places = np.where(is_seen[..., None], danced, 0.0)
-    g, d = guide[..., 2] + 1j * guide[..., 0], places[..., 2] - 1j * places[..., 0]
-    g_up, d_up = guide[..., 1].copy(), places[..., 1].copy()
-    g_squares, d_squares = np.sum(guide**2, axis=-1), np.sum(places**2, axis=-1)
-    best, latest = (np.inf, 0.0), min(band_frames, len(guide) - 1)
-    for delay in range(-latest, latest + 1):
-        on = slice(max(0, -delay), len(guide) - max(0, delay))
-        at = slice(on.start + delay, on.stop + delay)
-        pairs = int(is_seen[at].sum())
-        if not pairs:
-            continue
-        turned, upright = np.sum(g[on] * d[at]), np.sum(g_up[on] * d_up[at])
-        squares = np.sum(g_squares[on], where=is_seen[at]) + d_squares[at].sum()
-        best = min(best, (float(squares - 2.0 * (upright + abs(turned))) / pairs, float(np.angle(turned))))
-    return rotation.rotate(rotation.yaw(best[1]), danced)
+    latest = min(band_frames, len(guide) - 1)
+    turned = _correlated(guide[..., 2] + 1j * guide[..., 0], places[..., 2] - 1j * places[..., 0], latest)
+    one, other = (
+        np.concatenate(parts, axis=1)
+        for parts in (
+            (-2.0 * guide[..., 1], np.sum(guide**2, axis=-1), np.ones_like(guide[:, :1, 0])),
+            (places[..., 1], is_seen, np.sum(places**2, axis=(1, 2))[:, None]),
+        )
+    )
+    pairs = _correlated(np.ones((len(guide), 1)), is_seen.sum(axis=1)[:, None], latest).real.round()
+    squares = _correlated(one, other, latest).real - 2.0 * np.abs(turned)
+    best = np.argmin(np.where(pairs > 0, squares / np.maximum(pairs, 1.0), np.inf))
+    return rotation.rotate(rotation.yaw(float(np.angle(turned[best]))), danced)
+
+
+def _correlated(first: NDArray[Any], second: NDArray[Any], latest: int) -> NDArray[np.complex128]:
+    """Give the sum over frames t and columns of first[t] second[t + delay], from delay -latest to latest."""
+    size = 2 ** int(len(first) + latest).bit_length()  # so long that the end does not meet the beginning
+    spectra = np.conj(np.fft.fft(np.conj(first), size, axis=0)) * np.fft.fft(second, size, axis=0)
+    return np.asarray(np.fft.ifft(spectra.sum(axis=1))[np.arange(-latest, latest + 1)])
 
 
 def _all_joints(positions: Floats, joint_names: Sequence[str]) -> Floats:
