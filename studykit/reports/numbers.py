@@ -105,15 +105,16 @@ def anything(value: object) -> str:
 
     Examples
     --------
-    >>> anything(0.012346), anything((1, None)), anything(True)
-    ('0.01235', '[1, –]', 'yes')
+    >>> anything(0.012346), anything(20251.4), anything((1, None)), anything(True)
+    ('0.01235', '20251', '[1, –]', 'yes')
     """
     if value is None:
         return MISSING
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.4g}".replace("-", _MINUS) if math.isfinite(value) else MISSING
+        digits = ".0f" if 1e4 <= abs(value) < 1e9 else ".4g"
+        return f"{value:{digits}}".replace("-", _MINUS) if math.isfinite(value) else MISSING
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(anything, value))}]" if value else MISSING
     return str(value)

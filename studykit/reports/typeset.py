@@ -112,7 +112,7 @@ def _widths(table: Table) -> list[float]:
         widths.append(float(max(cells, words, min(len(plain(head)), _HEAD))))
     if sum(widths) + 2 * len(widths) <= _LINE:
         return [0.0] * len(widths)
-    return [min(max(width, 3.0), _WIDEST) + 1.0 for width in widths]
+    return [min(max(width, 3.0), _WIDEST) + 2.0 for width in widths]
 
 
 def _words(words: Words) -> list[dict[str, str]]:

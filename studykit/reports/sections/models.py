@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from studykit.reports.document import Block, Paragraph, Section, Table, Words, italic, listed
+from studykit.reports.document import Block, Paragraph, Section, Table, Words, bold, italic, listed
 from studykit.reports.naming import condition, outcome, sentence, titled, unit, with_unit
-from studykit.reports.numbers import anything, number, p_cell, p_value
+from studykit.reports.numbers import anything, bounded, interval, number, p_cell, p_value
 
 _SYMBOLS: dict[str, Words] = {
     "p": (italic("p"),), "f": (italic("F"),), "t": (italic("t"),), "f_p": (italic("p"), " of F"),
@@ -76,7 +76,40 @@ def _entries(value: Any) -> list[dict[str, Any]]:
 def _flat(value: Any) -> tuple[Block, ...]:
     """Give the parts that are rows of one table."""
     rows = [entry for entry in (value if isinstance(value, list) else []) if isinstance(entry, dict)]
-    return (_table(rows, ""),) if rows and _is_rows(rows) else ()
+    if not rows or not _is_rows(rows):
+        return ()
+    return (_choices(rows),) if "choice" in rows[0] else (_table(rows, ""),)
+
+
+def _choices(rows: list[dict[str, Any]]) -> Table:
+    """Set every declared test with every choice, and in bold the verdicts that change."""
+    return Table(
+        title="Declared tests with one choice made otherwise.",
+        head=(
+            "Test, choice",
+            (italic("n"),),
+            "χ²",
+            (italic("p"),),
+            (italic("W"),),
+            "Interval",
+            "Significant pairs",
+            "Same verdict",
+        ),
+        rows=tuple(
+            (
+                f"{titled(row['name'])}, {row['choice']}",
+                str(row["participants"]),
+                number(row["chi_squared"]),
+                p_cell(row["p"]),
+                bounded(row["kendalls_w"]),
+                interval(row["kendalls_w_interval"]),
+                str(row["significant_pairs"]),
+                row["not_computed_because"] or ("yes" if row["same_verdict"] else (bold("no"),)),
+            )
+            for row in rows
+        ),
+        note="Same verdict: whether test and pairs are as significant as the declared ones.",
+    )
 
 
 def _is_rows(entries: list[dict[str, Any]]) -> bool:
@@ -187,11 +220,10 @@ def _curve(entry: Mapping[str, Any]) -> Iterator[Block]:
     """Tell where curves differ."""
     found = entry["found"]
     compared = listed([condition(name) for name in entry["conditions"]])
-    yield Paragraph(
-        words=f"{compared}: {len(found['clusters'])} stretches above the threshold; p of the largest "
-        f"{p_value(found['p'])}, {found['n']} participants, {found['permutations']} permutations.",
-        kind="result",
-    )
+    counted = f"{found['n']} participants, {found['permutations']} permutations"
+    told = f"{compared}: stretches above the threshold: {len(found['clusters'])}; "
+    of_largest = f" of the largest {p_value(found['p'])}, {counted}."
+    yield Paragraph(words=(told, italic("p"), of_largest), kind="result")
     if found["clusters"]:
         yield _table(found["clusters"], "Stretches in which the conditions differ")
     yield Paragraph(words=f"{sentence(found['method'])}.", kind="note")

@@ -42,16 +42,26 @@ def quality(material: Material, results: dict[str, Any]) -> Section:
     else:
         blocks.append(Paragraph(words="No recorded trial was excluded."))
     blocks.append(_by_sequence(table))
-    if problems := results.get("warnings"):
+    if problems := problems_by_words(material, results):
         blocks.append(_problems(problems))
     return Section(title="Data quality", blocks=tuple(blocks))
 
 
-def _problems(problems: list[dict[str, str]]) -> Table:
+def problems_by_words(material: Material, results: dict[str, Any]) -> dict[str, list[str]]:
+    """Give every problem of the study with the places where it occurs, as paths within the study."""
+    found: dict[str, list[str]] = {}
+    folder = str(material.folder.path)
+    for one in results.get("warnings") or ():
+        where, words = (str(one[key]).replace(f"{folder}/", "") for key in ("where", "words"))
+        found.setdefault(words, []).append("the study" if where == folder else where)
+    return found
+
+
+def _problems(problems: dict[str, list[str]]) -> Table:
     return Table(
         title="What narrows what the numbers say.",
-        head=("Where", "What"),
-        rows=tuple((str(one["where"]), str(one["words"])) for one in problems),
+        head=("What", "Where"),
+        rows=tuple((words, ", ".join(where)) for words, where in problems.items()),
         text_columns=frozenset({1}),
     )
 
