@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from studykit.core.errors import InputError
 from studykit.figures import style
 from studykit.figures.time_curves import PeopleCurve, draw_people
@@ -87,6 +89,7 @@ def _draw_course(axes: Axes, course: Course, alpha: float) -> None:
         colour, dashes, width_pt = _look(condition)
         draw_people(axes, curve, colour)
         axes.lines[-1].set(linestyle=dashes, linewidth=width_pt)
+        axes.collections[-1].set_alpha(0.14)  # bands of several conditions lie over each other
         axes.set_ylabel(curve.label)
     for start_s, stop_s, p in course.clusters:
         is_significant = p < alpha
@@ -101,7 +104,9 @@ def _draw_course(axes: Axes, course: Course, alpha: float) -> None:
         )  # fmt: skip
     low, high = axes.get_ylim()
     axes.set_ylim(low - 0.16 * (high - low), high)  # room for the bar
-    axes.set_xlim(0.0, max(float(curve.times_s[-1] + curve.times_s[0]) for curve in course.curves.values()))
+    duration_s = max(float(curve.times_s[-1] + curve.times_s[0]) for curve in course.curves.values())
+    axes.set_xlim(0.0, duration_s)
+    axes.set_xticks(np.arange(0.0, duration_s + 0.1, 4.0 if duration_s <= 64.0 else 16.0))
 
 
 def _explain(figure: PaperFigure, courses: Sequence[Course], alpha: float) -> None:

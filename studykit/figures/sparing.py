@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studykit.choreography.dance import Dance
+from studykit.core.arrays import Floats
 from studykit.core.errors import InputError
 from studykit.figures import body, strips, style
 from studykit.motion.body import DEFAULT_BODY_MASS_KG
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from studykit.figures.canvas import PaperFigure
 
-_STRIP_MM, _FRAME_MM = 36.0, 24.0
+_STRIP_MM, _FRAME_MM = 39.0, 24.0
 
 
 def free_and_sparing(
@@ -37,8 +38,8 @@ def free_and_sparing(
     -------
     PaperFigure
         Poses from the middle of equal stretches, each half of a bone in the colour of its joint's energy, on
-        one scale. Spared joints have a rim of their own. Above each strip: its energies, and how much
-        rotational energy (Eq. 11) the spared joints have.
+        one scale. Spared joints have a rim of their own. Below each strip: its energies, what of the
+        rotational one (Eq. 11) the spared joints have, and by how much sparing changed them.
 
     Raises
     ------
@@ -61,9 +62,9 @@ def free_and_sparing(
         for axes, dance, bodies in zip(figure.subplots(2, 1), (free, sparing), shown, strict=True):
             strips.draw_poses(
                 axes, dance.motion, bodies, lambda joint: colours.to_rgba(joint / highest), spared=spared,
-                size_mm=(style.PAGE_MM - 2.0, _STRIP_MM - 4.0),
+                size_mm=(style.PAGE_MM - 2.0, _STRIP_MM - 8.0),
             )  # fmt: skip
-            _say_energies(axes, dance, spared, body_mass_kg)
+            _say_energies(axes, dance, free, (spared, body_mass_kg))
         strips.draw_scale(figure, colours)
         _explain(figure, spared)
     return figure
@@ -83,19 +84,23 @@ def spared_energy(dance: Dance, spared: tuple[str, ...]) -> float:
     return float(np.sum([told[name]["energy"] for name in spared]))
 
 
-def _say_energies(axes: Axes, dance: Dance, spared: tuple[str, ...], body_mass_kg: float) -> None:
-    shown = dance.achieved_blended
-    values = body_mass_kg * np.array(
-        [shown.linear_energy, shown.rotational_energy, spared_energy(dance, spared)]
-    )
+def _say_energies(axes: Axes, dance: Dance, free: Dance, what: tuple[tuple[str, ...], float]) -> None:
     axes.set_title(style.title(dance), fontweight="bold", pad=3.0)
-    axes.set_title(
-        f"linear {values[0]:.0f} J, rotational {values[1]:.1f} J, "
-        f"of which the spared joints {values[2]:.2f} J",
-        loc="right",
-        fontsize=7.0,
-        pad=3.0,
-        gid="energies",
+    words = []
+    for name, digits, own, before in zip(
+        ("linear", "rotational", "spared joints"), (0, 1, 2), _energies(dance, *what), _energies(free, *what),
+        strict=True,
+    ):  # fmt: skip
+        change = "" if dance is free or not before else f" ({100.0 * (own / before - 1.0):+.0f} %)"
+        words.append(f"{name} {own:.{digits}f} J{change}".replace("-", "−"))
+    axes.set_xlabel(", ".join(words), loc="left", fontsize=7.0, labelpad=2.0)
+
+
+def _energies(dance: Dance, spared: tuple[str, ...], body_mass_kg: float) -> Floats:
+    """Give the linear, the rotational and the spared joints' rotational energy of a dance as shown, J."""
+    shown = dance.achieved_blended
+    return body_mass_kg * np.array(
+        [shown.linear_energy, shown.rotational_energy, spared_energy(dance, spared)]
     )
 
 

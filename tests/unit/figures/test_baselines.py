@@ -186,3 +186,11 @@ def test_every_figure_is_as_wide_as_a_column_or_a_page(name: str, made: Made) ->
     width_mm, height_mm = figure.get_size_inches() * 25.4
     assert any(abs(width_mm - wide) < 0.1 for wide in (figures.style.COLUMN_MM, figures.style.PAGE_MM))
     assert height_mm <= 250.0
+
+
+@pytest.mark.parametrize("name", ["3", "4", "forest"])
+def test_rare_letters_are_embedded_like_all_others(name: str, made: Made) -> None:
+    # Matplotlib draws what its font lacks from another one, in a way of its own.
+    pdf = FIGURES[name](made).file_bytes("pdf")
+    assert b"/FontFile2" in pdf
+    assert b"/Type3" not in pdf
