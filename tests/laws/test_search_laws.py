@@ -132,7 +132,9 @@ def test_a_segment_measured_wrongly_would_be_noticed(made_library) -> None:
     start, draws = search.start(rng), rng.random((ITERATIONS, arrays.DRAWS))
     last = plain(search, once, start, draws)[-1]
     right = compiled(search, once, start, draws)[1].trace[0, 1]
+    known.tables.values.flags.writeable = True
     known.tables.values[0, last.blocks[0][0]] *= 1.001
+    known.tables.values.flags.writeable = False
     wrong = compiled(search, once, start, draws)[1].trace[0, 1]
     assert right == pytest.approx(last.cost, rel=1e-9)
     assert wrong != pytest.approx(last.cost, rel=1e-6)
