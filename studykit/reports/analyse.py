@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studykit.analysis import Results, enjoyment, run
+from studykit.analysis.learning import learning
 from studykit.analysis.results import plain
 from studykit.analysis.sensitivity import sensitivity
 from studykit.core import durable
@@ -62,6 +63,7 @@ def analyse(study: AnyStudy, *, workers: int | None = None, progress: Progress =
         "sensitivity": plain(sensitivity(protocol.analysis, table, others)),
         "warnings": plain(problems(folder, table=table)),
         "enjoyment": enjoyment_of(paces(folder)),
+        "learning": plain([found] if (found := learning(table)) is not None else []),
         "provenance": {
             "protocol_sha256": protocol.sha256,
             "data_sha256": sha256_of_value(list(table["data_sha256"])),

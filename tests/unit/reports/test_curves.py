@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from studykit.analysis.learning import learning
 from studykit.analysis.tables import DANCED_AGAIN
 from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import read_dances, write_dances
@@ -101,6 +102,7 @@ def test_who_dances_again_counts_once_and_the_repetitions_are_numbered(
     write_dances(dances, study.folder.dances)
     study.simulate(dances, seed=1)
     last = trials(study)
+    assert learning(last) is None  # of one person nothing follows for people
     assert last["repetition"].tolist() == [1, 2] * 8
     assert last["is_valid"].tolist() == [False, True] * 8
     assert set(last["exclusion_reason"].dropna()) == {DANCED_AGAIN}
