@@ -13,6 +13,7 @@ MADE = {
     "00_tour": "sessions/tour/derivatives/studykit/report.html",
     "02_design_dances": "sessions/designed/careful.glb",
     "03_build_library": "libraries/notebook/library.html",
+    "04_analyse_a_study": "sessions/analysed/derivatives/studykit/results.json",
     "05_paper_figures": "sessions/paper/derivatives/studykit/tables/participants.tex",
     "06_pilot_and_power": "sessions/power.csv",
 }
