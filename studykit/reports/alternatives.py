@@ -18,9 +18,10 @@ from studykit.recording.session_record import SessionRecord, StepRecord
 from studykit.recording.study_folder import StudyFolder
 from studykit.reports import readable
 from studykit.reports.choices import Choices, Window
+from studykit.reports.heart_measures import Readings, heart_measures
 from studykit.reports.measured import columns_of_alignment, columns_of_heart
+from studykit.reports.movement_measures import aligned, side_by_side
 from studykit.reports.place import AnyStudy, folder_of
-from studykit.reports.trial import Readings, aligned, heart_measures, side_by_side
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,8 +11,8 @@ from studykit.protocol.analysis_plan import Curve
 from studykit.reports import readable
 from studykit.reports.choices import Choices
 from studykit.reports.measured import measured, power, stretches_s
+from studykit.reports.movement_measures import asked_steps
 from studykit.reports.place import AnyStudy, folder_of
-from studykit.reports.trial import asked_steps
 from studykit.reports.trials import table_of
 
 

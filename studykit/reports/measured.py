@@ -25,15 +25,8 @@ from studykit.recording.session_record import SessionRecord, StepRecord
 from studykit.recording.study_folder import StudyFolder
 from studykit.reports import readable, verdicts
 from studykit.reports.choices import Choices
-from studykit.reports.trial import (
-    HeartMeasures,
-    MovementMeasures,
-    Readings,
-    Trembling,
-    heart_measures,
-    movement_measures,
-    trembling,
-)
+from studykit.reports.heart_measures import HeartMeasures, Readings, heart_measures
+from studykit.reports.movement_measures import MovementMeasures, Trembling, movement_measures, trembling
 
 CURVE_STEP_S = 0.5
 """The length of the stretches over which curves are averaged, s."""

@@ -17,8 +17,8 @@ from studykit.motion.skeleton import JOINT_NAMES
 from studykit.reports import readable, verdicts
 from studykit.reports.choices import Choices
 from studykit.reports.measured import MeasuredTrial, measured
+from studykit.reports.movement_measures import asked_steps
 from studykit.reports.place import AnyStudy, folder_of
-from studykit.reports.trial import asked_steps
 
 if TYPE_CHECKING:
     import pandas as pd

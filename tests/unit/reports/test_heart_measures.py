@@ -10,7 +10,7 @@ import pytest
 from studykit.recording.session_record import SessionRecord, StepRecord, read_session
 from studykit.recording.study_folder import StudyFolder
 from studykit.reports.choices import Choices
-from studykit.reports.trial import heart_measures
+from studykit.reports.heart_measures import heart_measures
 
 CHOICES = Choices(window="perform", maximum="fox", vigorous_fraction=0.7, longest_gap_s=10.0, band_s=1.0)
 AGE = 30.0  # so that Fox expects 190 beats a minute

@@ -17,7 +17,7 @@ from studykit.motion.motion import JointTracks, Motion
 from studykit.motion.skeleton import JOINT_NAMES, NEUTRAL_BODY
 from studykit.participant.person import cohort
 from studykit.reports.choices import Choices
-from studykit.reports.trial import (
+from studykit.reports.movement_measures import (
     ENDS,
     SMOOTHNESS_CUTOFF_HZ,
     Trembling,
