@@ -50,10 +50,10 @@ def demo(
 ) -> None:
     """Run a whole study with simulated people: library, dances, sessions, statistics, figures, report."""
     from studykit import reports
-    from studykit.analysis import run
     from studykit.choreography import choreograph
     from studykit.library import make_sample, open_library
     from studykit.protocol.latin_square import assignment, balance
+    from studykit.reports.analyse import results_of
     from studykit.session import open_study
 
     planted = _effects(effects)
@@ -63,7 +63,7 @@ def demo(
     dances = choreograph(study.protocol, opened, seed=seed, progress=show.progress)
     study.simulate(dances, effects=planted, seed=seed, progress=show.progress, workers=2)
     page, pdf = reports.report(out, progress=show.progress)
-    results = run(study.protocol.analysis, reports.read_trials(study.folder.derivatives / "trials.csv"))
+    results = results_of(out)
     if json:
         show.as_json(results.to_dict())
         return

@@ -53,11 +53,7 @@ def analyse(study: AnyStudy, *, workers: int | None = None, progress: Progress =
     folder = folder_of(study)
     protocol = read_protocol(folder.protocol)
     table = trials(folder, workers=workers, progress=progress)
-    courses = {
-        kind: curves(folder, kind, workers=workers)
-        for kind in dict.fromkeys(plan.curve for plan in protocol.analysis.curves or ())
-    }
-    results = run(protocol.analysis, table, courses=courses)
+    results = results_of(folder, workers=workers)
     others = alternatives(folder, table, workers=workers, progress=progress)
     written = results.to_dict() | {
         "sensitivity": plain(sensitivity(protocol.analysis, table, others)),
@@ -76,6 +72,23 @@ def analyse(study: AnyStudy, *, workers: int | None = None, progress: Progress =
     text = json.dumps(written, indent=1, ensure_ascii=False, allow_nan=False)
     write(folder.derivatives / "results.json", text + "\n")
     return results
+
+
+def results_of(study: AnyStudy, *, workers: int | None = None) -> Results:
+    """Make every comparison that the protocol of a study declares; nothing is written.
+
+    Parameters
+    ----------
+    study : Study, StudyFolder, Path or str
+        Where it was recorded. What was measured before is remembered as long as no file changes.
+    workers : int, optional
+        As for `analyse`.
+    """
+    folder = folder_of(study)
+    plan = read_protocol(folder.protocol).analysis
+    kinds = dict.fromkeys(declared.curve for declared in plan.curves or ())
+    courses = {kind: curves(folder, kind, workers=workers) for kind in kinds}
+    return run(plan, trials(folder, workers=workers), courses=courses)
 
 
 def read_results(path: Path | str) -> dict[str, Any]:
@@ -136,6 +149,7 @@ def _enjoyment_of(answers: pd.DataFrame, items: tuple[Item, ...]) -> dict[str, A
         "version": scores[0].version,
         "participants": len(scores),
         "left_out": len(people) - len(scores),
+        "answers": sum(score.answered for score in scores),
         "mean": values.mean().to_dict(),
         "standard_deviation": spread.to_dict() if len(scores) > 1 else None,
         "cronbach_alpha": enjoyment.cronbach_alpha(np.array(keyed)) if keyed else None,
