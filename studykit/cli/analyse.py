@@ -20,6 +20,10 @@ def analyse(
         Path | None,
         typer.Option(help="A results.json from before: says which numbers are others now, and why."),
     ] = None,
+    protocol: Annotated[
+        Path | None,
+        typer.Option(help="The protocol followed in a folder recorded elsewhere; it is kept there, in code."),
+    ] = None,
     *,
     workers: Workers = None,
     dask: Dask = None,
@@ -30,7 +34,10 @@ def analyse(
     from studykit.analysis.changes import changes
     from studykit.reports.analyse import read_results
     from studykit.reports.place import folder_of
+    from studykit.session import open_study
 
+    if protocol is not None and study.is_dir():
+        open_study(study, protocol=protocol)
     old = None if against is None else read_results(against)  # before it is written anew
     with workforce(dask, workers) as hands:
         results = reports.analyse(study, workers=hands, progress=show.progress)

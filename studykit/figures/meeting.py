@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from studykit.figures.canvas import PaperFigure
 
 _HANDS = tuple(JOINT_NAMES.index(f"{side}_hand") for side in ("left", "right"))
+_TURNS_RAD = np.deg2rad(np.linspace(-60.0, 60.0, 25))
 _BEFORE, _AFTER = style.FAINT, style.INK
 
 
@@ -34,9 +35,9 @@ def meeting_segments(dance: Dance) -> PaperFigure:
     -------
     PaperFigure
         Left: the last pose of a segment that blending leaves alone and the first of the next, 0.4 s apart,
-        pelvis on pelvis and facing the same way; lines join the same joint of both, that of the hand which
-        is farther away is bold. Right: the same distances and their mean. The title says Delta at the join
-        itself, as found before blending.
+        pelvis on pelvis and facing the same way, seen from where the jump of the hand that moves more shows
+        best; lines join the same joint of both, that of the hand is bold. Right: the same distances and their
+        mean. The title says Delta at the join itself, as found before blending.
 
     Raises
     ------
@@ -79,8 +80,32 @@ def displacements_m(poses: Floats) -> Floats:
     return np.asarray(np.linalg.norm(poses[:, 1] - poses[:, 0], axis=-1))
 
 
+def turned_to_show(poses: Floats, joint: int) -> Floats:
+    """Turn two poses about the vertical, by 60 degrees at most, so that the jump of a joint is seen best.
+
+    Parameters
+    ----------
+    poses : ndarray, shape (2, 24, 3), m
+    joint : int
+        Number of the joint.
+
+    Returns
+    -------
+    ndarray, shape (2, 24, 3), m
+    """
+    candidates = []
+    for angle in sorted(_TURNS_RAD, key=abs):
+        turned = poses.copy()
+        across, near = poses[..., 0], poses[..., 2]
+        turned[..., 0] = np.cos(angle) * across + np.sin(angle) * near
+        turned[..., 2] = np.cos(angle) * near - np.sin(angle) * across
+        screen, _ = body.seen(turned)
+        candidates.append((float(np.linalg.norm(screen[1, joint] - screen[0, joint])), turned))
+    return max(candidates, key=lambda candidate: candidate[0])[1]
+
+
 def _draw_poses(axes: Axes, poses: Floats, distances: Floats, hand: int) -> None:
-    seen = [body.seen(pose) for pose in poses]
+    seen = [body.seen(pose) for pose in turned_to_show(poses, hand)]
     for (screen, depth), colour in zip(seen, (_BEFORE, _AFTER), strict=True):
         body.draw_body(axes, screen, colour, depth=depth, outlines="white", widths_pt=(2.2, 0.45))
         body.draw_head(axes, screen[body.HEAD], face=colour, edge="white")
@@ -128,7 +153,7 @@ def _explain(figure: PaperFigure) -> None:
     from matplotlib.lines import Line2D
 
     entries = [
-        Line2D([], [], color=_BEFORE, linewidth=2.2, label="pose p, before the join"),
+        Line2D([], [], color=_BEFORE, linewidth=2.2, label="pose p, before blending"),
         Line2D([], [], color=_AFTER, linewidth=2.2, label="pose q, after it"),
         Line2D(
             [], [], color=style.INTENSITY["intense"], linewidth=0.8, marker="o", markersize=2.0, label="jump"

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from studykit.core.errors import InputError
-from studykit.figures import meeting_segments
+from studykit.figures import body, meeting_segments
 from studykit.figures.film import at_joins
-from studykit.figures.meeting import displacements_m
+from studykit.figures.meeting import displacements_m, turned_to_show
 
 
 def test_the_join_with_the_largest_displacement_is_shown(made_dance) -> None:
@@ -36,3 +36,12 @@ def test_distances_are_lengths_in_space_not_on_the_screen() -> None:
 def test_a_dance_of_one_segment_is_refused(made_dance) -> None:
     with pytest.raises(InputError, match="has no join"):
         meeting_segments(made_dance("A"))
+
+
+def test_poses_are_turned_until_the_jump_shows(made_dance) -> None:
+    poses = np.zeros((2, 24, 3))
+    poses[:, 22] = [[0.0, 1.0, 0.0], [0.0, 1.2, 0.5]]  # towards the reader
+    turned = turned_to_show(poses, 22)
+    assert np.linalg.norm(turned[1, 22] - turned[0, 22]) == pytest.approx(np.hypot(0.2, 0.5))
+    before, after = (np.diff(body.seen(pose)[0][:, 22], axis=0)[0] for pose in (poses, turned))
+    assert np.linalg.norm(after) > 0.95 * np.hypot(0.2, 0.5) > np.linalg.norm(before)
