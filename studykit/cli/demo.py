@@ -12,7 +12,6 @@ from studykit.cli.choreograph import note_compiling, print_dances
 from studykit.cli.library import AsJson, Seed
 
 if TYPE_CHECKING:
-    from studykit.participant.effects import Effects
     from studykit.protocol.study_protocol import StudyProtocol
 
 SAMPLE = Path("libraries/synthetic")
@@ -51,12 +50,13 @@ def demo(
     """Run a whole study with simulated people: library, dances, sessions, statistics, figures, report."""
     from studykit import reports
     from studykit.choreography import choreograph
+    from studykit.io.effects_file import read_effects
     from studykit.library import make_sample, open_library
     from studykit.protocol.latin_square import assignment, balance
     from studykit.reports.analyse import results_of
     from studykit.session import open_study
 
-    planted = _effects(effects)
+    planted = read_effects(effects)
     study = open_study(out, protocol=_protocol(protocol, participants))
     opened = make_sample(SAMPLE, progress=show.progress) if library is None else open_library(library)
     note_compiling()
@@ -93,10 +93,3 @@ def _protocol(given: Path | None, participants: int | None) -> StudyProtocol | P
 
     path = given or default_protocol()
     return path if participants is None else read_protocol(path).with_participants(participants)
-
-
-def _effects(name: str) -> Effects:
-    from studykit.io.toml_file import read_model
-    from studykit.participant.effects import NONE, PAPER, Effects
-
-    return {"paper": PAPER, "none": NONE}.get(name) or read_model(Path(name), Effects)

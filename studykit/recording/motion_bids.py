@@ -62,8 +62,8 @@ def write_session(folder: StudyFolder, protocol: StudyProtocol, record: SessionR
 def changed_files(folder: StudyFolder, protocol: StudyProtocol, record: SessionRecord) -> tuple[Path, ...]:
     """Name the files of a session that are there and no longer what was written.
 
-    Movement is held against the digests in the table of scans; everything else that a journal gives is
-    written once more, in memory.
+    Movement is held against the digests in the table of scans; events and heart rate of a journal are
+    written once more, in memory. The words of descriptions may change from release to release.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def changed_files(folder: StudyFolder, protocol: StudyProtocol, record: SessionR
         changed += [
             path
             for path, content in _descriptions(folder, protocol, record)
-            if path.exists() and path.read_bytes() != content
+            if path.suffix != ".json" and path.exists() and path.read_bytes() != content
         ]
     return tuple(sorted(changed))
 

@@ -28,7 +28,7 @@ def folder_of(study: AnyStudy) -> StudyFolder:
         raise InputError(
             "the protocol that was followed is not there",
             where=folder.protocol,
-            remedy="put it there, or open the study once with it",
+            remedy="put it there, or name it once with 'studykit analyse --protocol FILE'",
         )
     if not folder.protocol.exists():
         raise InputError("there is no study here", where=folder.path, remedy="give the folder of a study")

@@ -17,6 +17,7 @@ import pytest
 
 from studykit.analysis.heart_rate import mean_bpm
 from studykit.analysis.tables import TRIALS
+from studykit.cli import main
 from studykit.core.errors import InputError
 from studykit.recording.joint_channels import joint_named
 from studykit.recording.session_record import read_session
@@ -246,6 +247,17 @@ def test_a_study_can_bring_its_own_names_of_joints(
         'left_bottom = "left_hip"\nright_bottom = "right_hip"\n'
     )
     assert_the_same(trials(without_journal), measured)
+
+
+def test_a_protocol_beside_the_folder_is_kept_in_it(without_journal: StudyFolder, tmp_path: Path) -> None:
+    followed = tmp_path / "followed.toml"
+    without_journal.protocol.rename(followed)
+    make_foreign(without_journal)
+    with pytest.raises(SystemExit) as end:
+        main(["analyse", str(without_journal.path), "--protocol", str(followed)])
+    assert end.value.code == 0
+    assert without_journal.protocol.read_bytes() == followed.read_bytes()
+    assert (without_journal.derivatives / "trials.csv").exists()
 
 
 def test_without_protocol_or_dances_it_is_told_what_is_missing(without_journal: StudyFolder) -> None:

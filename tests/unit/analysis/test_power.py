@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,6 +12,7 @@ from studykit.analysis import run
 from studykit.analysis.outcome_model import OutcomeModel, model_of
 from studykit.analysis.power import ANY_CONDITION, ANY_PAIR, decisions, orders, power
 from studykit.analysis.simulated_trials import simulated_trials
+from studykit.cli import main
 from studykit.core.errors import InputError
 from studykit.io.protocol_file import default_protocol, read_protocol
 from studykit.participant.effects import NONE, PAPER
@@ -202,3 +206,33 @@ def test_what_cannot_be_answered_is_refused(protocol: StudyProtocol) -> None:
     for wrong in ({"within_sd": -1.0}, {"lost": 1.0}, {"period_slope": np.nan}):
         with pytest.raises(ValueError, match=r"finite|negative|lost"):
             model(protocol, **wrong)
+
+
+def test_the_command_says_how_many_people_are_enough(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    words = [
+        "power",
+        str(default_protocol()),
+        "--studies",
+        "100",
+        "--participants",
+        "8",
+        "--participants",
+        "24",
+    ]
+    with pytest.raises(SystemExit) as end:
+        main(words)
+    assert end.value.code == 0
+    said = capsys.readouterr().out
+    assert "SIMULATED people with the effects paper" in said
+    assert "heart_rate, conditions differ: 8: 100%, 24: 100%; 8 are enough for 80%" in said
+    assert "more are needed for 80%" in said
+    with pytest.raises(SystemExit):
+        main([*words, "--json"])
+    rows = json.loads(capsys.readouterr().out)
+    assert {row["participants"] for row in rows} == {8, 24}
+    with pytest.raises(SystemExit) as end:
+        main(["power", str(tmp_path)])
+    assert end.value.code == 2
+    assert "protocol.toml" in capsys.readouterr().err
