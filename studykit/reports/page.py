@@ -15,7 +15,7 @@ from studykit.reports import numbers
 if TYPE_CHECKING:
     from studykit.figures.canvas import PaperFigure
 
-_FILTERS = ("number", "percent", "bounded", "p_value", "p_cell", "interval")
+_FILTERS = ("number", "percent")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -45,7 +45,9 @@ def check_results(results: Values, trials: pd.DataFrame) -> list[Finding]:
     for one in results["correlations"]:
         found += _correlation(one, trials)
     found += _terms(results)
-    found += _enjoyment(results.get("enjoyment") or {})
+    told = results.get("enjoyment") or {}
+    found += _enjoyment(told, "enjoyment")
+    found += _enjoyment(told.get("five_items") or {}, "enjoyment.five_items")
     found += _intervals(results)
     return found
 
@@ -269,29 +271,37 @@ def _dictionaries(value: Any, place: str) -> Iterator[tuple[str, Values]]:
 def _intervals(results: Values) -> Iterator[Finding]:
     """Hold every estimate against its own interval."""
     for place, entry in _dictionaries(results, ""):
-        estimate, ends = entry.get("estimate", entry.get("r")), entry.get("interval")
-        if ends is None or estimate is None:
-            continue
-        slack = _ABSOLUTE + _RELATIVE * abs(estimate)
-        holds = ends[0] - slack <= estimate <= ends[1] + slack
-        words = f"{estimate:.6g} lies from {ends[0]:.6g} to {ends[1]:.6g}"
-        yield _true("interval", f"{place}.interval", holds=holds, words=words)
+        for key, name in (
+            ("interval", "estimate" if "estimate" in entry else "r"),
+            ("rank_biserial_interval", "rank_biserial"),
+        ):
+            estimate, ends = entry.get(name), entry.get(key)
+            if ends is None or estimate is None:
+                continue
+            slack = _ABSOLUTE + _RELATIVE * abs(estimate)
+            holds = ends[0] - slack <= estimate <= ends[1] + slack
+            words = f"{estimate:.6g} lies from {ends[0]:.6g} to {ends[1]:.6g}"
+            yield _true("interval", f"{place}.{key}", holds=holds, words=words)
+        if ends := entry.get("kendalls_w_interval"):
+            words = f"{ends[0]:.6g} and {ends[1]:.6g} are in order, from 0 to 1"
+            holds = -_ABSOLUTE <= ends[0] <= ends[1] <= 1.0 + _ABSOLUTE
+            yield _true("interval", f"{place}.kendalls_w_interval", holds=holds, words=words)
 
 
-def _enjoyment(found: Values) -> Iterator[Finding]:
+def _enjoyment(found: Values, place: str) -> Iterator[Finding]:
     """Hold the four ways to print enjoyment against each other, and the item mean against whole answers."""
     if not found.get("participants"):
         return
     mean = found["mean"]["item_mean"]
-    items = found["mean"]["total"] / mean
-    yield _same("enjoyment", "enjoyment.mean.total", found["mean"]["total"], round(items) * mean)
+    items = round(found["mean"]["total"] / mean)
     for key, value in (
+        ("total", items * mean),
         ("percent_of_maximum", 100.0 * mean / 7.0),
         ("percent_of_range", 100.0 * (mean - 1.0) / 6.0),
     ):
-        yield _same("enjoyment", f"enjoyment.mean.{key}", found["mean"][key], value)
-    if found.get("all_answered"):
-        count = found["participants"] * round(items)
-        fits = len(attainable.whole_totals(mean - _ABSOLUTE, mean + _ABSOLUTE, count)) > 0
-        words = f"{mean:.6g} is a mean of {count} whole answers"
-        yield _true("GRIM", "enjoyment.mean.item_mean", holds=fits, words=words)
+        yield _same("enjoyment", f"{place}.mean.{key}", found["mean"][key], value)
+    answers = found["participants"] * items
+    if found.get("answers") == answers:  # an answer left out takes the mean of the others
+        fits = len(attainable.whole_totals(mean - _ABSOLUTE, mean + _ABSOLUTE, answers)) > 0
+        words = f"{mean:.6g} is a mean of {answers} whole answers"
+        yield _true("GRIM", f"{place}.mean.item_mean", holds=fits, words=words)

@@ -68,7 +68,10 @@ def methods(material: Material, results: dict[str, Any], agreeing: int) -> Secti
         sections=(
             Section(title="Design and measures", blocks=(design, measures, _dances(material))),
             Section(title="Analysis as declared", blocks=tuple(_declared(protocol.analysis))),
-            Section(title="Provenance", blocks=(_checked(agreeing), _provenance(material, results))),
+            Section(
+                title="Provenance",
+                blocks=(_checked(agreeing), _provenance(material, results), *_visits(results)),
+            ),
         ),
     )
 
@@ -125,6 +128,17 @@ def _declared(plan: AnalysisPlan) -> list[Block]:
         f"called a result."
     )
     return [*blocks, *_further(plan), Paragraph(words=level)]
+
+
+def _visits(results: dict[str, Any]) -> list[Block]:
+    visits = results["provenance"].get("visits") or {}
+    table = Table(
+        title="Digest (SHA-256) of what was recorded in each visit.",
+        head=("Visit", "Digest"),
+        rows=tuple((str(name), str(digest)) for name, digest in visits.items()),
+        text_columns=frozenset({1}),
+    )
+    return [table] if visits else []
 
 
 def _checked(agreeing: int) -> Paragraph:

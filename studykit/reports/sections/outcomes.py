@@ -366,6 +366,12 @@ def enjoyment(results: dict[str, Any]) -> Section:
         return Section(
             title="Enjoyment", blocks=(Paragraph(words="Nobody has answered the enjoyment scale yet."),)
         )
+    forms = [found, *([five] if (five := found.get("five_items") or {}).get("participants") else [])]
+    return Section(title="Enjoyment", blocks=tuple(block for form in forms for block in _enjoyment_of(form)))
+
+
+def _enjoyment_of(found: dict[str, Any]) -> tuple[Block, Block]:
+    """Give one form of the scale."""
     left = f", {found['left_out']} left out for too many missing answers" if found["left_out"] else ""
     alpha = found["cronbach_alpha"]
     words = (
@@ -374,11 +380,11 @@ def enjoyment(results: dict[str, Any]) -> Section:
     )
     spread = found["standard_deviation"] or {}
     table = Table(
-        title="Enjoyment over participants; higher is more.",
+        title=f"Enjoyment over participants ({found['version']}); higher is more.",
         head=("Score", "Mean", "SD"),
         rows=tuple(
             (words, number(found["mean"][key]), number(spread.get(key))) for key, words in _ENJOYMENT.items()
         ),
         note="Studies print either percentage without saying which; both stand here.",
     )
-    return Section(title="Enjoyment", blocks=(Paragraph(words=words), table))
+    return Paragraph(words=words), table

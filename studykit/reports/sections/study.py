@@ -31,7 +31,10 @@ def study(material: Material, results: dict[str, Any]) -> Section:
     return Section(
         title="What was done",
         sections=(
-            Section(title="Participants", blocks=(flow(material, results), _people(material))),
+            Section(
+                title="Participants",
+                blocks=(flow(material, results), _people(material), _by_sequence(material)),
+            ),
             Section(title="A visit", blocks=(_phases(material.protocol),)),
             _order(material.protocol),
         ),
@@ -113,6 +116,39 @@ def _people(material: Material) -> Paragraph:
     if not parts:
         return Paragraph(words=f"Nobody told age or sex.{measured}")
     return Paragraph(words=f"Of those who answered: {'; '.join(parts)}.{measured}")
+
+
+def _by_sequence(material: Material) -> Table:
+    """Tell who danced in which order."""
+    told = {record.participant: record.answers_to("demographics") or {} for record in material.records}
+    rows = []
+    for sequence, own in material.trials.groupby("sequence"):
+        people = [told.get(str(person), {}) for person in own["participant"].unique()]
+        ages = [float(answers["age"]) for answers in people if answers.get("age") is not None]
+        sexes = [str(answers.get("sex") or "") for answers in people]
+        resting = own.groupby("participant")["heart_rate_resting_bpm"].first().dropna()
+        rows.append(
+            (
+                str(sequence),
+                str(len(people)),
+                number(float(np.mean(ages)) if ages else None, 1),
+                str(sexes.count("F")),
+                str(sexes.count("M")),
+                number(float(resting.mean()) if len(resting) else None, 1),
+            )
+        )
+    return Table(
+        title="Participants by sequence (row of the square), before dancing.",
+        head=(
+            "Sequence",
+            "Participants",
+            "Mean age (years)",
+            "Female",
+            "Male",
+            "Resting heart rate (beats/min)",
+        ),
+        rows=tuple(rows),
+    )
 
 
 def _phases(protocol: StudyProtocol) -> Table:
