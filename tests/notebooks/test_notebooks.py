@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -51,3 +52,19 @@ def test_a_notebook_is_committed_without_outputs(path: Path) -> None:
     code = [cell for cell in cells if cell["cell_type"] == "code"]
     assert len(code) >= 10
     assert not any(cell["outputs"] or cell["execution_count"] for cell in code)
+
+
+@pytest.mark.slow
+def test_papermill_runs_the_statisticians_notebook_over_a_study(
+    recorded_study: Callable[[], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    papermill = pytest.importorskip("papermill")
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
+    monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))
+    for _ in range(2):
+        study = recorded_study()
+        path = ROOT / "notebooks" / "04_analyse_a_study.ipynb"
+        papermill.execute_notebook(
+            path, study / "answers.ipynb", {"folder": str(study)}, progress_bar=False, cwd=tmp_path
+        )
+        assert (study / "derivatives" / "studykit" / "results.json").exists()
