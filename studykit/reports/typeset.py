@@ -25,8 +25,8 @@ from studykit.reports.page import embedded, filled
 
 # Letters that fit on a line of a table, and those after which words of a cell are broken.
 _LINE, _WIDEST = 100, 44.0
-# Letters after which a head is broken.
-_HEAD = 22
+# Letters that a head broken into three lines may take.
+_HEAD = 16.0
 
 
 def page(document: Document) -> str:
@@ -105,14 +105,15 @@ def _block(block: Block) -> dict[str, Any]:
 
 def _widths(table: Table) -> list[float]:
     """Give each column its share of the width by what it holds; 0 for as wide as it needs where all fits."""
-    widths = []
+    whole, broken = [], []
     for place, head in enumerate(table.head):
         cells = max((len(plain(row[place])) for row in table.rows), default=0)
-        words = max(map(len, plain(head).split()), default=1)
-        widths.append(float(max(cells, words, min(len(plain(head)), _HEAD))))
-    if sum(widths) + 2 * len(widths) <= _LINE:
-        return [0.0] * len(widths)
-    return [min(max(width, 3.0), _WIDEST) + 2.0 for width in widths]
+        length, longest = len(plain(head)), max(map(len, plain(head).split()), default=1)
+        whole.append(max(cells, length))
+        broken.append(max(cells, longest, min(length / 3.0, _HEAD)))
+    if sum(whole) + 2 * len(whole) <= _LINE:
+        return [0.0] * len(whole)
+    return [min(width, _WIDEST) + 2.0 for width in broken]
 
 
 def _words(words: Words) -> list[dict[str, str]]:

@@ -38,6 +38,8 @@ def methods(material: Material, results: dict[str, Any], agreeing: int) -> Secti
     """
     protocol = material.protocol
     conditions = len(protocol.conditions_list())
+    watched = protocol.session.watch_repetitions
+    times = "once" if watched == 1 else f"{watched} times"
     design = Paragraph(
         words=f"Within-subject crossover: each of {protocol.study.participants} planned participants "
         "performs "
@@ -45,7 +47,7 @@ def methods(material: Material, results: dict[str, Any], agreeing: int) -> Secti
         "from a "
         f"{protocol.order.design.capitalize()} square (seed {protocol.study.seed}), each preceded by "
         "watching the "
-        f"dance {protocol.session.watch_repetitions} times and followed by "
+        f"dance {times} and followed by "
         f"{number(protocol.session.rest_s, 0)} s "
         "of rest. The protocol was fixed before the first visit; its digest stands in every record."
     )

@@ -222,15 +222,32 @@ def _variants(test: dict[str, Any]) -> Table:
     names = list(test["pairs"][0]["p_by_variant"])
     return Table(
         title="Uncorrected p of the same pairs, tested in other ways.",
-        head=("First − second", *names),
+        head=("First − second", *map(_briefly, names)),
         rows=tuple(
             (
                 f"{condition(pair['a'])} − {condition(pair['b'])}",
-                *(p_cell(pair["p_by_variant"][n]) for n in names),
+                *(p_cell(pair["p_by_variant"][name]) for name in names),
             )
             for pair in test["pairs"]
         ),
+        note="Exact: over all signs of the ranks. Normal: by the normal approximation, corrected for ties. "
+        "Pratt: "
+        "people without a difference are ranked, then dropped.",
     )
+
+
+def _briefly(variant: str) -> str:
+    """Name a variant of Wilcoxon's test in two words.
+
+    Examples
+    --------
+    >>> _briefly("exact permutation distribution, ties kept; zeros dropped; two-sided")
+    'Exact, zeros dropped'
+    """
+    way = "Exact" if variant.startswith("exact") else "Normal"
+    way += " with continuity" if "with continuity" in variant else ""
+    zeros = "Pratt" if "(Pratt)" in variant else "zeros split" if "half" in variant else "zeros dropped"
+    return f"{way}, {zeros}"
 
 
 def _more(test: dict[str, Any]) -> list[Block]:

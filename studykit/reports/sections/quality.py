@@ -77,7 +77,7 @@ def _coverage(table: pd.DataFrame) -> Table:
         unit = {"1": "", "bpm": "beats/min"}.get(column.unit, column.unit)
         rows.append(
             (
-                sentence(column.description),
+                sentence(column.description.replace("dtw_m", "the distance from the guide")),
                 unit,
                 str(len(values)),
                 str(len(valid) - len(values)),
