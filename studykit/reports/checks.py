@@ -10,6 +10,7 @@ import numpy as np
 
 from studykit.core.errors import InputError
 from studykit.io.protocol_file import read_protocol
+from studykit.protocol.latin_square import williams
 from studykit.protocol.study_protocol import StudyProtocol
 from studykit.recording import motion_bids
 from studykit.recording.session_record import SessionRecord, StepRecord
@@ -33,6 +34,7 @@ Kind = Literal[
     "changed file",
     "duplicated participant",
     "visit without end",
+    "other order",
 ]
 
 _FEWEST_READINGS = 30
@@ -89,6 +91,7 @@ def problems(study: AnyStudy, *, table: pd.DataFrame | None = None) -> list[Prob
         *_of_files(folder, protocol, found),
         *(problem for record in found.records for problem in _of_visit(record, shown, measured)),
         *_of_protocol(folder, protocol, found.records),
+        *_of_orders(protocol, found.records),
         *_of_trials(folder, protocol, measured),
     ]
 
@@ -193,6 +196,20 @@ def _of_protocol(
     else:
         words = f"Participants recorded with another protocol than the study's do not count: {people}."
     yield Problem(kind="other protocol", where=str(folder.protocol), words=words)
+
+
+def _of_orders(protocol: StudyProtocol, records: tuple[SessionRecord, ...]) -> Iterator[Problem]:
+    """Name who danced in another order than the row of the square that is told."""
+    labels = protocol.order.labels
+    rows = [tuple(labels[place] for place in row) for row in williams(len(labels)).tolist()]
+    for record in records:
+        if record.sequence <= len(rows) and rows[record.sequence - 1] != record.conditions:
+            yield Problem(
+                kind="other order",
+                where=str(record.journal),
+                words=f"Participant {record.participant} did not dance in the order of sequence "
+                f"{record.sequence}, so the orders are not as balanced as planned.",
+            )
 
 
 def _of_trials(folder: StudyFolder, protocol: StudyProtocol, measured: pd.DataFrame) -> Iterator[Problem]:

@@ -249,6 +249,21 @@ def test_a_study_can_bring_its_own_names_of_joints(
     assert_the_same(trials(without_journal), measured)
 
 
+def test_an_order_that_is_not_the_one_told_is_named(
+    without_journal: StudyFolder, measured: pd.DataFrame
+) -> None:
+    people = without_journal.path / "participants.tsv"
+    table = pd.read_csv(people, sep="\t", dtype=str, keep_default_na=False)
+    danced = int(table.loc[1, "sequence"])
+    table.loc[1, "sequence"] = str(danced % 8 + 1)
+    table.to_csv(people, sep="\t", index=False)
+    found = trials(without_journal)
+    assert found["previous_condition"].equals(measured["previous_condition"])
+    named = problems(without_journal, table=found)
+    assert [problem.kind for problem in named] == ["other order"]
+    assert "Participant 02" in named[0].words
+
+
 def test_a_protocol_beside_the_folder_is_kept_in_it(without_journal: StudyFolder, tmp_path: Path) -> None:
     followed = tmp_path / "followed.toml"
     without_journal.protocol.rename(followed)
