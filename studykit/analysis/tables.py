@@ -156,12 +156,12 @@ TRIALS = TableSchema(
         ),
         _measured(
             "linear_energy_danced",
-            "linear energy of the dancer as seen by the camera, over all poses",
+            "linear energy of the dancer as seen by the camera, its trembling taken off, over all poses",
             "J/kg",
         ),
         _measured(
             "rotational_energy_danced",
-            "rotational energy of the dancer as seen by the camera, over all poses",
+            "rotational energy of the dancer as seen by the camera, its trembling taken off, over all poses",
             "J/kg",
         ),
         _measured("variety_achieved", "mean feature distance between the dance's segments"),
