@@ -249,6 +249,34 @@ def test_a_study_can_bring_its_own_names_of_joints(
     assert_the_same(trials(without_journal), measured)
 
 
+def test_verdicts_and_repeated_trials_are_carried_along(
+    without_journal: StudyFolder,
+) -> None:
+    motion = min(without_journal.path.glob("sub-03/ses-01/motion/*acq-lighteasyon*_motion.tsv"))
+    for path in list(motion.parent.glob("*acq-lighteasyon*run-1*")):  # danced once more, an hour later
+        again = path.with_name(path.name.replace("run-1", "run-2"))
+        again.write_bytes(path.read_bytes())
+    (course,) = motion.parent.glob("*task-session_events.tsv")
+    events = pd.read_csv(course, sep="\t", dtype=str, keep_default_na=False)
+    first = events[(events["trial_type"] == "perform") & (events["condition"] == "light-easy-on")]
+    events = pd.concat([events, first.assign(onset=str(float(first["onset"].iloc[0]) + 3600.0), step="99")])
+    events.to_csv(course, sep="\t", index=False)
+    for path in motion.parent.glob("*acq-lighteasyon*run-2_events.tsv"):
+        path.write_text(re.sub(r"\t\d+\t(true)$", r"\t99\t\1", path.read_text(), flags=re.MULTILINE))
+    (scans,) = motion.parent.parent.glob("*_scans.tsv")
+    text = scans.read_text()
+    line = next(line for line in text.splitlines() if "acq-lighthardon" in line)
+    scans.write_text(text.replace(line, line.replace("true\tn/a", "false\tthe belt fell off")))
+    own = trials(without_journal).query("participant == '03'")
+    assert len(own) == 9
+    why = own.set_index("condition")["exclusion_reason"].dropna()
+    assert why.to_dict() == {"light-easy-on": "danced again", "light-hard-on": "the belt fell off"}
+    pair = own[own["condition"] == "light-easy-on"]
+    assert np.ptp(pair["dtw_m"]) < 1e-5
+    assert pair["dtw_m"].notna().all()
+    assert pair["period"].nunique() == 1
+
+
 def test_an_order_that_is_not_the_one_told_is_named(
     without_journal: StudyFolder, measured: pd.DataFrame
 ) -> None:
