@@ -11,8 +11,10 @@ from studykit.analysis.consistency import attainable
 from studykit.analysis.consistency.claims import Claim, Printed
 from studykit.analysis.consistency.finding import Finding, finding, shown, span
 from studykit.analysis.heart_rate import maximum
+from studykit.core.errors import InputError
 
 _VIGOROUS = 0.7
+_MOST_TOTALS = 1000  # with more of them, some fits
 
 
 def whole_answers(claim: Claim) -> Iterator[Finding]:
@@ -24,16 +26,16 @@ def whole_answers(claim: Claim) -> Iterator[Finding]:
     nearest = np.array([math.floor(mean.value * n * items), math.ceil(mean.value * n * items)]) / (n * items)
     words = (
         f"{n} people and {items} item{'s' * (items > 1)} can have this mean"
-        if len(totals)
+        if totals
         else f"whole answers of {n} people to {items} item{'s' * (items > 1)} have no mean of {shown(mean)}; "
         f"the nearest are {nearest[0]:.4f} and {nearest[1]:.4f}"
     )
-    yield finding("GRIM", claim, (), is_consistent=bool(len(totals)), words=words)
+    yield finding("GRIM", claim, (), is_consistent=bool(totals), words=words)
     if claim.has("scale_first"):
         yield _within_scale(claim)
-    if claim.has("sd") and n > 1 and len(totals):
+    if claim.has("sd") and n > 1 and totals:
         sd = claim.numbers["sd"]
-        fits = any(attainable.whole_squares(int(t), n, items, (sd.low, sd.high)) for t in totals)
+        fits = any(attainable.whole_squares(t, n, items, (sd.low, sd.high)) for t in totals[:_MOST_TOTALS])
         words = f"whole answers {'can' if fits else 'cannot'} have this mean and SD = {shown(sd)}"
         yield finding("GRIMMER", claim, (), is_consistent=fits, words=words)
 
@@ -72,10 +74,10 @@ def percentages(claim: Claim) -> Iterator[Finding]:
         counts = attainable.whole_totals(percent.low / 100.0, percent.high / 100.0, n)
         words = (
             f"{span(counts[0], counts[-1])} of {n} are {shown(percent)} %"
-            if len(counts)
+            if counts
             else f"no whole count of {n} is {shown(percent)} %"
         )
-        yield finding("percentage", claim, (), is_consistent=bool(len(counts)), words=words)
+        yield finding("percentage", claim, (), is_consistent=bool(counts), words=words)
 
 
 def _percent_of_scale(claim: Claim, percent: Printed) -> Finding:
@@ -97,6 +99,12 @@ def _percent_of_scale(claim: Claim, percent: Printed) -> Finding:
 def _time_above(claim: Claim, percent: Printed) -> Finding:
     """Ask which steady heart rate would cross the vigorous threshold early enough, rising exponentially."""
     seconds, age, rest, tau = (claim.numbers[name].value for name in ("seconds", "age", "rest", "tau"))
+    if min(seconds, age, rest, tau) <= 0.0:
+        raise InputError(
+            "seconds, age, rest and tau must be above zero",
+            where=claim.text,
+            remedy='write "vigorous=74 % of 32 s, age=25, rest=80, tau=30"',
+        )
     highest = maximum(age, "tanaka")
     threshold = _VIGOROUS * highest
     crossed_s = seconds * (1.0 - percent.high / 100.0)

@@ -37,7 +37,7 @@ _SPELLINGS = (
     (r"[$\\]", ""),
     (r"\bns\b|\bn\.s\.", "p>.05"),
 )
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = r"[+-]?(?:\d{1,15}(?:\.\d{0,20})?|\.\d{1,20})(?:[eE][+-]?\d{1,2})?"
 _ITEM = re.compile(
     rf"""
       (?P<count>\d+)\s*(?:/|(?:out\ )?of)\s*(?P<all>\d+)\s*[=(]\s*(?P<share>{_NUMBER})\s*%\)?

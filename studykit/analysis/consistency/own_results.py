@@ -165,7 +165,7 @@ def _summary(row: Values, place: str, table: Floats, column: int) -> Iterator[Fi
     ):
         yield _same(key.replace("_", " "), f"{place}.{key}", row[key], float(value))
     if np.all(values == np.round(values)):
-        fits = len(attainable.whole_totals(row["mean"] - _ABSOLUTE, row["mean"] + _ABSOLUTE, len(values))) > 0
+        fits = bool(attainable.whole_totals(row["mean"] - _ABSOLUTE, row["mean"] + _ABSOLUTE, len(values)))
         words = f"{row['mean']:.6g} is a mean of {len(values)} whole answers"
         yield _true("GRIM", f"{place}.mean", holds=fits, words=words)
 
@@ -302,6 +302,6 @@ def _enjoyment(found: Values, place: str) -> Iterator[Finding]:
         yield _same("enjoyment", f"{place}.mean.{key}", found["mean"][key], value)
     answers = found["participants"] * items
     if found.get("answers") == answers:  # an answer left out takes the mean of the others
-        fits = len(attainable.whole_totals(mean - _ABSOLUTE, mean + _ABSOLUTE, answers)) > 0
+        fits = bool(attainable.whole_totals(mean - _ABSOLUTE, mean + _ABSOLUTE, answers))
         words = f"{mean:.6g} is a mean of {answers} whole answers"
         yield _true("GRIM", f"{place}.mean.item_mean", holds=fits, words=words)

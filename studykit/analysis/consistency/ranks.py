@@ -12,6 +12,7 @@ from studykit.analysis.consistency.p_values import degrees, sides
 from studykit.core.errors import InputError
 
 _MOST_PEOPLE = 10_000
+_MOST_EXACT = 500
 
 
 def friedman(claim: Claim) -> Iterator[Finding]:
@@ -102,7 +103,7 @@ def _signed_ranks_p(claim: Claim, n: int, v: float) -> Finding:
         "normal": attainable.signed_rank_normal_p(v, n, continuity=False),
         "normal with continuity correction": attainable.signed_rank_normal_p(v, n, continuity=True),
     }
-    if n <= 500:  # further out the normal distribution is as good
+    if n <= _MOST_EXACT:  # further out the normal distribution is as good
         exact = [attainable.signed_rank_p(x, n) for x in (math.floor(v), math.ceil(v))]
         readings = {"exact": exact[0]} | ({"exact, upper": exact[1]} if v != int(v) else {}) | readings
     p = claim.numbers["p"]
@@ -127,10 +128,12 @@ def smallest_p(claim: Claim) -> Iterator[Finding]:
         return
     n, p = claim.whole("n"), claim.numbers["p"]
     pairs = claim.whole("pairs", 1) if claim.words & {"bonferroni", "holm"} else 1
-    step = pairs * sides(claim) * 0.5**n
+    step = min(1.0, pairs * sides(claim) * 0.5 ** min(n, _MOST_EXACT))
     if p.relation in "<≤":
         is_consistent = p.allows(step, step)
-        against = attainable.most_against(n, 2.0 * p.value / (pairs * sides(claim))) if n <= 500 else None
+        against = (
+            attainable.most_against(n, 2.0 * p.value / (pairs * sides(claim))) if n <= _MOST_EXACT else None
+        )
         words = f"the smallest p that {n} people can give is {p_text(step)}"
         if is_consistent and against is not None:
             words += f"; at most {against} of {n} may differ the other way"

@@ -201,6 +201,7 @@ def test_the_numbers_of_the_paper_are_judged_one_by_one() -> None:
         ("chi2(3)=30.0, W=.5, n=20.5", "n = 20.5 is no count"),
         ("r=.5, p=.1, n=2", "three points or more"),
         ("chi2(3)=30, n=20, Friedman, separated=2+3", "are not the 4 of chi2"),
+        ("vigorous=70 % of 32 s, age=25, rest=80, tau=0", "must be above zero"),
         ("q(3)=2.1, p=.04", '"q" is no statistic known here'),
     ],
 )
@@ -210,11 +211,84 @@ def test_what_cannot_be_read_is_said_with_the_notation(text: str, said: str) -> 
     assert said in str(refused.value)
 
 
-@settings(max_examples=150, deadline=None)
-@given(st.text(alphabet="chiFtzrWVpn0123456789.=<>(), ;%+-/:", max_size=30))
-def test_whatever_is_typed_is_judged_or_refused(text: str) -> None:
+TOKENS = (
+    *(
+        "chi2(3)",
+        "chi2(0)",
+        "F(1, 2)",
+        "t(9)",
+        "t",
+        "z",
+        "r",
+        "W",
+        "V",
+        "T",
+        "p",
+        "n",
+        "M",
+        "SD",
+        "items",
+        "scale",
+    ),
+    *(
+        "separated",
+        "pairs",
+        "vigorous",
+        "of 32 s",
+        "age",
+        "rest",
+        "tau",
+        "=",
+        "=",
+        "=",
+        "<",
+        ">",
+        "%",
+        "+",
+        "-",
+    ),
+    *(
+        ",",
+        ",",
+        ";",
+        ":",
+        "0",
+        "1",
+        "20",
+        "0.5",
+        ".031",
+        "-2",
+        "1e9",
+        "1e-99",
+        "999999999999999",
+        "1-7",
+        "2+2",
+    ),
+    *("Wilcoxon", "Friedman", "Bonferroni", "no ties", "one-sided", "exact", "(", ")", "\u03c7\u00b2", "nan"),
+)
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.lists(st.sampled_from(TOKENS), max_size=14))
+def test_whatever_is_typed_is_judged_or_refused(tokens: list[str]) -> None:
     with suppress(InputError):
-        check_text(text)
+        check_text(" ".join(tokens))
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.dictionaries(
+        st.sampled_from(
+            ("chi2(3)", "F(2, 9)", "t(4)", "z", "r", "W", "V", "p", "n", "M", "SD", "items", "pairs")
+        ),
+        st.sampled_from(("0", "1", "-1", "0.5", ".031", "7", "20", "1e15", "1e-99", "999999999999999")),
+        min_size=2,
+    ),
+    st.sampled_from(("", ", Wilcoxon", ", Friedman", ", scale=1-7", ", scale=7-1", ", 85 %", ", no ties")),
+)
+def test_odd_numbers_in_good_notation_are_judged_or_refused(numbers: dict[str, str], more: str) -> None:
+    with suppress(InputError):
+        check_text(", ".join(f"{name}={value}" for name, value in numbers.items()) + more)
 
 
 def test_a_printed_number_stands_for_an_interval() -> None:
