@@ -109,7 +109,7 @@ def kinect_name(joint: str) -> str:
 def make_foreign(folder: StudyFolder) -> Path:
     """Lay a study out as another laboratory might; give the trial that has no heart rate.
 
-    One visit a person and no session in the names; x right, y front, z up in mm; Kinect's joint names, their
+    One visit a person and no session in the names; x front, y left, z up in mm; Kinect's joint names, their
     columns in another order, with a column that is no position; no course of the session, but the times of
     recording; events and channels shared by inheritance; heart rate at 2 Hz beside each trial.
     """
@@ -128,7 +128,7 @@ def make_foreign(folder: StudyFolder) -> Path:
         for path in sorted(old.glob("*task-dance*_motion.tsv")):
             stem = path.name.replace("_ses-01", "").replace("_tracksys-camera", "_tracksys-kinect")
             motion = np.genfromtxt(path.read_text().replace("n/a", "nan").splitlines(), delimiter="\t")
-            xyz = motion[:, 1:].reshape(len(motion), -1, 3)[..., [0, 2, 1]] * (-1000.0, 1000.0, 1000.0)
+            xyz = 1000.0 * motion[:, 1:].reshape(len(motion), -1, 3)[..., [2, 0, 1]]
             columns = np.hstack([xyz[:, ::-1].reshape(len(motion), -1), motion[:, :1] * 0 + 7, motion[:, :1]])
             text = "\n".join(
                 "\t".join(f"{value:.2f}" for value in row[:-1]) + f"\t{row[-1]:.4f}" for row in columns
@@ -163,7 +163,7 @@ def make_foreign(folder: StudyFolder) -> Path:
         table = pd.DataFrame(scans, columns=["filename", "acq_time"])
         table.to_csv(subject / f"{subject.name}_scans.tsv", sep="\t", index=False)
         rmtree(subject / "ses-01")
-    frames = {"room": {"SpatialAxes": "RAS", "RotationRule": "right-hand", "Description": "the room"}}
+    frames = {"room": {"SpatialAxes": "ALS", "RotationRule": "right-hand", "Description": "the room"}}
     (folder.path / "task-dance_tracksys-kinect_channels.json").write_text(
         json.dumps({"reference_frame": {"Levels": frames}})
     )

@@ -16,6 +16,7 @@ from studykit.cli import main
 from studykit.core.errors import InputError
 from studykit.io.protocol_file import default_protocol, read_protocol
 from studykit.participant.effects import NONE, PAPER
+from studykit.participant.person import cohort
 from studykit.protocol.analysis_plan import AnalysisPlan, TestPlan
 from studykit.protocol.study_protocol import StudyProtocol
 
@@ -56,6 +57,7 @@ def test_the_p_are_those_of_the_analysis_itself(correction: str, p: str | None, 
     values = rng.normal(loc=[0.0, 0.5, 1.0], size=(6, 9, 3))
     values[3:] = np.clip(np.round(2.0 * values[3:] + 4.0), 1.0, 7.0)  # ratings: ties and zeros
     values[1, 2, 0] = np.nan
+    values[2, 0, 1] = values[2, 0, 0]  # one zero and no tie
     plan = TestPlan(
         name="t", outcome="smoothness_rating", test="friedman", conditions=CONDITIONS, post_hoc="wilcoxon",
         pairs="all", correction=correction, p=p, zeros=zeros,  # type: ignore[arg-type]
@@ -171,6 +173,10 @@ def test_a_model_is_found_again_in_a_large_pilot(protocol: StudyProtocol) -> Non
     told = {name: true.means[name] - true.means["light-hard-off"] for name in true.means}
     assert apart == pytest.approx(told, abs=0.9)
     assert model_of(table, "heart_rate_mean_bpm").period_slope == 0.0
+    noise = np.random.default_rng(6).normal(scale=4.0, size=len(table))  # people do not differ at all
+    alike = model_of(table.assign(heart_rate_mean_bpm=noise), "heart_rate_mean_bpm")
+    assert alike.between_sd < 0.6
+    assert alike.within_sd == pytest.approx(4.0, rel=0.03)
 
 
 def test_simulated_people_bring_what_was_planted(protocol: StudyProtocol) -> None:
@@ -185,6 +191,9 @@ def test_simulated_people_bring_what_was_planted(protocol: StudyProtocol) -> Non
     ratings = model_of(table, "smoothness_rating", scale=(1, 7))
     assert ratings.between_sd == pytest.approx(PAPER.smoothness.person_sd, rel=0.15)
     assert ratings.within_sd == pytest.approx(PAPER.smoothness.trial_sd, rel=0.1)
+    skills = [person.skill for person in cohort(800, 2)]
+    errors = table.groupby("participant")["dtw_m"].mean()
+    assert np.corrcoef(skills, errors)[0, 1] < -0.8
     assert table.equals(simulated_trials(protocol, PAPER, people=800, seed=2))
     same = model_of(simulated_trials(protocol, NONE, people=800, seed=2), "heart_rate_mean_bpm").means
     assert max(same.values()) - min(same.values()) < 1.5
