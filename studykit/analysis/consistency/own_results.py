@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 Values = Mapping[str, Any]
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
+_T_TEST = frozenset({"t", "degrees_of_freedom", "p", "estimate", "standard_error"})
 _LONGEST_EXACT = 60  # people; beyond, all signs of the ranks take too long
 
 
@@ -249,7 +250,7 @@ def _terms(results: Values) -> Iterator[Finding]:
         if {"f", "numerator_df", "denominator_df", "p"} <= entry.keys() and entry["f"] is not None:
             p = float(stats.f.sf(entry["f"], entry["numerator_df"], entry["denominator_df"]))
             yield _same("p against F", f"{place}.p", entry["p"], p)
-        elif {"t", "degrees_of_freedom", "p", "estimate", "standard_error"} <= entry.keys():
+        elif entry.keys() >= _T_TEST and all(entry[key] for key in ("t", "standard_error")):
             p = float(2.0 * stats.t.sf(abs(entry["t"]), entry["degrees_of_freedom"]))
             yield _same("p against t", f"{place}.p", entry["p"], p)
             yield _same("t", f"{place}.t", entry["t"], entry["estimate"] / entry["standard_error"])

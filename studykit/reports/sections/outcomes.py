@@ -51,7 +51,7 @@ def at_a_glance(results: dict[str, Any]) -> tuple[Block, ...]:
     if not rows:
         return (Paragraph(words="The protocol declares no test."),)
     table = Table(
-        title="Every result that the protocol declared before the study.",
+        title="The declared tests and correlations at a glance.",
         head=("Result", "Statistic", (italic("p"),), "Effect", _covering(results), (italic("n"),)),
         rows=tuple(rows),
         text_columns=frozenset({1, 3}),
