@@ -216,10 +216,10 @@ def _complete(values: Floats) -> Iterator[Floats]:
 
 
 def _of_test(plan: TestPlan, table: Floats, rng: np.random.Generator) -> float:
-    if plan.p in (None, "chi_squared"):
+    if plan.p_from in (None, "chi_squared"):
         return chi_squared_of_ranks(centred_ranks(table))[1]
     found = friedman(table, rng=rng)
-    if plan.p == "permutation":
+    if plan.p_from == "permutation":
         return found.permutation_p
     return 0.0 if found.f_p is None else found.f_p
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from studykit.core.errors import InputError, nearest
 from studykit.protocol.condition import ALL_CONDITIONS, Intensity, Transition, Variety
+from studykit.protocol.study_protocol import Blinded
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -216,6 +217,12 @@ TRIALS = TableSchema(
             "person was not filmed standing still, so that nothing could be taken off",
             minimum=None,
             maximum=1.0,
+        ),
+        _text(
+            "blinded",
+            "who did not know which condition it was; empty where the protocol does not say",
+            allowed=get_args(Blinded),
+            may_be_missing=True,
         ),
     ),
 )

@@ -67,7 +67,7 @@ class TestPlan(Part):
         description='for testing several pairs: "holm", "closed" (all pairs of up to 6 conditions), '
         '"bonferroni" or "none"'
     )
-    p: Literal["chi_squared", "f", "permutation"] | None = Field(
+    p_from: Literal["chi_squared", "f", "permutation"] | None = Field(
         default=None, description='where p is from: "chi_squared" unless given, "f", or "permutation"'
     )
     zeros: Literal["drop", "pratt", "split"] | None = Field(

@@ -22,6 +22,9 @@ from studykit.protocol.part import Part, refuse_repeats
 
 Compared = TestPlan | CorrelationPlan | EquivalencePlan | CurvePlan
 
+Blinded = Literal["nobody", "participant", "participant and analyst"]
+"""Who does not know which condition is danced."""
+
 SEGMENT_S = 4.0
 """Length of one piece of the dance library, in seconds; every dance is a whole number of them."""
 
@@ -33,6 +36,11 @@ class Study(Part):
     title: str = Field(min_length=1, description="what the study is about, in one line")
     participants: int = Field(ge=1, le=999, description="how many people take part")
     seed: int = Field(ge=0, description="any whole number; draws lots for who gets which order")
+    blinded: Blinded | None = Field(
+        default=None,
+        description='who does not know which condition is danced: "nobody", "participant" or "participant '
+        'and analyst"',
+    )
 
 
 class Conditions(Part):

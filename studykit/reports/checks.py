@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -49,7 +49,7 @@ class Problem:
     kind : str
         One of `Kind`.
     where : str
-        The file, field or participant.
+        The file within the study, field or participant.
     words : str
         What it is and what follows from it, in a sentence.
     """
@@ -85,7 +85,7 @@ def problems(study: AnyStudy, *, table: pd.DataFrame | None = None) -> list[Prob
     protocol = read_protocol(folder.protocol)
     measured = trials(folder) if table is None else table
     found, shown = readable.visits(folder), readable.dances(folder)
-    return [
+    everything = [
         *(_unreadable(error, "the visit") for error in found.errors),
         *(_unreadable(error, "what hangs on the dance") for error in shown.errors),
         *_of_files(folder, protocol, found),
@@ -94,6 +94,14 @@ def problems(study: AnyStudy, *, table: pd.DataFrame | None = None) -> list[Prob
         *_of_orders(protocol, found.records),
         *_of_trials(folder, protocol, measured),
     ]
+    return [_placed(problem, folder) for problem in everything]
+
+
+def _placed(problem: Problem, folder: StudyFolder) -> Problem:
+    """Name files by their place within the study, so that a study that moved has the same problems."""
+    where = "the study" if problem.where == str(folder.path) else problem.where
+    prefix = f"{folder.path}/"
+    return replace(problem, where=where.replace(prefix, ""), words=problem.words.replace(prefix, ""))
 
 
 def _unreadable(error: InputError, left_out: str) -> Problem:

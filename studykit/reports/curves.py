@@ -41,7 +41,7 @@ def curves(
     folder = folder_of(study)
     protocol = read_protocol(folder.protocol)
     found = measured(folder, choices, workers=workers)
-    is_valid = table_of(found, protocol.sha256)["is_valid"] if found else ()
+    is_valid = table_of(found, protocol)["is_valid"] if found else ()
     times_s = stretches_s(protocol.dance.duration_s)
     people: dict[str, dict[str, Floats]] = {name: {} for name in protocol.conditions_list()}
     for trial, counts in zip(found, is_valid, strict=True):

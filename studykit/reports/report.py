@@ -139,7 +139,7 @@ def composed(material: Material, results: dict[str, Any], figures: Sequence[Figu
         "recordings, the "
         "protocol or the dances of this study.",
         banners=_banners(material, results),
-        summary=(*at_a_glance(results), *_warnings(material, results)),
+        summary=(*at_a_glance(results), *_warnings(results)),
         sections=tuple(section for section in sections if section.blocks or section.sections),
     ).numbered()
 
@@ -190,11 +190,11 @@ def _banners(material: Material, results: dict[str, Any]) -> tuple[str, ...]:
     return tuple(banners)
 
 
-def _warnings(material: Material, results: dict[str, Any]) -> tuple[Paragraph, ...]:
+def _warnings(results: dict[str, Any]) -> tuple[Paragraph, ...]:
     """Say first what narrows the results; where that is much, the table of all follows under data quality."""
     said = [
         f"{where[0]}{f' and {len(where) - 1} more' if len(where) > 1 else ''}: {words}"
-        for words, where in problems_by_words(material, results).items()
+        for words, where in problems_by_words(results).items()
     ]
     shown, more = said[:_MOST_WARNINGS], len(said) - _MOST_WARNINGS
     if more > 0:

@@ -14,6 +14,7 @@ from studykit.core.progress import Progress, silent
 from studykit.io.protocol_file import read_protocol
 from studykit.library.dance_file import read_dances
 from studykit.motion.skeleton import JOINT_NAMES
+from studykit.protocol.study_protocol import StudyProtocol
 from studykit.reports import readable, verdicts
 from studykit.reports.choices import Choices
 from studykit.reports.measured import MeasuredTrial, measured
@@ -60,15 +61,18 @@ def trials(
     found = measured(folder, choices, workers=workers, progress=progress)
     if not found:
         raise InputError("no dance was danced yet", where=folder.path, remedy="run a visit to its end")
-    return table_of(found, read_protocol(folder.protocol).sha256)
+    return table_of(found, read_protocol(folder.protocol))
 
 
-def table_of(found: Sequence[MeasuredTrial], protocol_sha256: str) -> pd.DataFrame:
-    """Put measured trials into a table, with the verdict whether each counts."""
+def table_of(found: Sequence[MeasuredTrial], protocol: StudyProtocol) -> pd.DataFrame:
+    """Put measured trials into a table, with who was blinded and the verdict whether each counts."""
     import pandas as pd
 
     table = pd.DataFrame([trial.row for trial in found], columns=list(TRIALS.column_names))
-    return check(verdicts.across_visits(table.astype(TRIALS.dtypes), protocol_sha256), TRIALS)
+    table["blinded"] = [
+        protocol.study.blinded if trial.row["protocol_sha256"] == protocol.sha256 else None for trial in found
+    ]
+    return check(verdicts.across_visits(table.astype(TRIALS.dtypes), protocol.sha256), TRIALS)
 
 
 def joint_energies(

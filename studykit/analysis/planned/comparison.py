@@ -92,9 +92,9 @@ def _with_gaps(plan: TestPlan, values: pd.DataFrame) -> SkillingsMack | None:
 
 def _declared_p(plan: TestPlan, found: Friedman) -> float:
     """Give the p that the protocol names; F has none where all agree, and its p is 0 then."""
-    if plan.p == "permutation":
+    if plan.p_from == "permutation":
         return found.permutation_p
-    if plan.p == "f":
+    if plan.p_from == "f":
         return 0.0 if found.f_p is None else found.f_p
     return found.p
 

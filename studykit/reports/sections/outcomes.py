@@ -129,11 +129,9 @@ def _omnibus(test: dict[str, Any], found: dict[str, Any]) -> Paragraph:
 
 
 def _declared_kind(test: dict[str, Any]) -> str:
-    """Say which p the protocol named, if they differ."""
-    found, declared = test["friedman"], test.get("p")
-    kinds = {"chi-squared": found["p"], "F": found.get("f_p"), "permutation": found.get("permutation_p")}
-    named = [kind for kind, value in kinds.items() if declared is not None and value == declared]
-    return f"The protocol names the p by {named[0]}. " if named else ""
+    """Say which p the protocol names."""
+    kinds = {"f": "F", "permutation": "permutation"}
+    return f"The protocol names the p by {kinds.get(test.get('p_from') or '', 'chi-squared')}. "
 
 
 def _decimals(test: dict[str, Any]) -> int:

@@ -42,18 +42,16 @@ def quality(material: Material, results: dict[str, Any]) -> Section:
     else:
         blocks.append(Paragraph(words="No recorded trial was excluded."))
     blocks.append(_by_sequence(table))
-    if problems := problems_by_words(material, results):
+    if problems := problems_by_words(results):
         blocks.append(_problems(problems))
     return Section(title="Data quality", blocks=tuple(blocks))
 
 
-def problems_by_words(material: Material, results: dict[str, Any]) -> dict[str, list[str]]:
-    """Give every problem of the study with the places where it occurs, as paths within the study."""
+def problems_by_words(results: dict[str, Any]) -> dict[str, list[str]]:
+    """Give every problem of the study with the places where it occurs."""
     found: dict[str, list[str]] = {}
-    folder = str(material.folder.path)
     for one in results.get("warnings") or ():
-        where, words = (str(one[key]).replace(f"{folder}/", "") for key in ("where", "words"))
-        found.setdefault(words, []).append("the study" if where == folder else where)
+        found.setdefault(str(one["words"]), []).append(str(one["where"]))
     return found
 
 

@@ -246,7 +246,7 @@ def ordered(people: int = 16) -> pd.DataFrame:
 
 @pytest.mark.parametrize("kind", ["chi_squared", "f", "permutation"])
 def test_p_is_of_the_kind_declared(kind: str) -> None:
-    test = analysis.run(planned(p=kind), trials()).test("heart_rate")
+    test = analysis.run(planned(p_from=kind), trials()).test("heart_rate")
     assert test.friedman is not None
     names = {"chi_squared": "p", "f": "f_p", "permutation": "permutation_p"}
     assert test.p == getattr(test.friedman, names[kind])

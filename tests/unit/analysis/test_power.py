@@ -60,7 +60,7 @@ def test_the_p_are_those_of_the_analysis_itself(correction: str, p: str | None, 
     values[2, 0, 1] = values[2, 0, 0]  # one zero and no tie
     plan = TestPlan(
         name="t", outcome="smoothness_rating", test="friedman", conditions=CONDITIONS, post_hoc="wilcoxon",
-        pairs="all", correction=correction, p=p, zeros=zeros,  # type: ignore[arg-type]
+        pairs="all", correction=correction, p_from=p, zeros=zeros,  # type: ignore[arg-type]
     )  # fmt: skip
     found = decisions(plan, values, rng=np.random.default_rng(0))
     for study, ours in zip(values, found, strict=True):

@@ -16,11 +16,11 @@ HEADER = (
     "variety_achieved,smoothness_rating,simulated,protocol_sha256,data_sha256,"
     "repetition,heart_rate_resting_bpm,heart_rate_recovery_bpm,heart_rate_coverage,rr_corrected_share,"
     "vigorous_fraction_reserve,dtw_arms_m,dtw_legs_m,dtw_trunk_m,dtw_lag_sd_s,smoothness_ldlj,"
-    "range_of_motion_rad,skeleton_coverage,energy_noise_share"
+    "range_of_motion_rad,skeleton_coverage,energy_noise_share,blinded"
 )
 ROWS = """
-07,01,3,1,light-easy-on,light,easy,on,,True,,101.5,110,0.2,0.08,0.1,50,30,51,29,90.1,6,True,ab,cd,1,61.5,22,1,0,0.1,0.1,0.05,0.04,0.03,-11.2,1.1,0.99,0.1
-07,01,3,2,intense-hard-on,intense,hard,on,light-easy-on,False,interrupted,,,,,,150,90,,,140.0,,True,ab,cd,1,,,,,,,,,,,,,
+07,01,3,1,light-easy-on,light,easy,on,,True,,101.5,110,0.2,0.08,0.1,50,30,51,29,90.1,6,True,ab,cd,1,61.5,22,1,0,0.1,0.1,0.05,0.04,0.03,-11.2,1.1,0.99,0.1,participant
+07,01,3,2,intense-hard-on,intense,hard,on,light-easy-on,False,interrupted,,,,,,150,90,,,140.0,,True,ab,cd,1,,,,,,,,,,,,,,
 """
 
 
