@@ -273,7 +273,8 @@ def kendalls_w_interval(
     A person drawn twice agrees with herself, which lifts W by (1 - W) / n on average. With that taken out,
     95 % intervals hold the W expected of 20 people in 91 to 100 % of studies (4 and 8 conditions, normal
     values, effects from none to a standard deviation a step); plain percentiles do in 87 to 96 %, BCa in 75
-    to 90 % (it cannot see the lift where W is small).
+    to 90 % (it cannot see the lift where W is small). Where people nearly all agree (W of .94 or more) the
+    interval is too narrow: it holds W in about 82 % of simulated studies.
     """
     ranks = centred_ranks(table)
     people = len(ranks)
