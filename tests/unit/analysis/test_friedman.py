@@ -67,7 +67,15 @@ def test_where_orders_are_too_many_they_are_drawn(monkeypatch: pytest.MonkeyPatc
     module._distribution.cache_clear()
 
 
-@pytest.mark.parametrize(("people", "conditions"), [(20, 4), (150, 3), (30, 4), (10, 5)])
+@pytest.mark.parametrize(
+    ("people", "conditions"),
+    [
+        (20, 4),
+        (150, 3),
+        pytest.param(30, 4, marks=pytest.mark.slow),
+        pytest.param(10, 5, marks=pytest.mark.slow),
+    ],
+)
 def test_what_is_said_to_be_feasible_is(people: int, conditions: int) -> None:
     ranks = tuple(range(1 - conditions, conditions, 2))
     assert module._distribution(((ranks, people),)) is not None

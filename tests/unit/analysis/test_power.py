@@ -54,7 +54,7 @@ def rows(values: np.ndarray, outcome: str) -> pd.DataFrame:
 @pytest.mark.parametrize("zeros", [None, "pratt"])
 def test_the_p_are_those_of_the_analysis_itself(correction: str, p: str | None, zeros: str | None) -> None:
     rng = np.random.default_rng(3)
-    values = rng.normal(loc=[0.0, 0.5, 1.0], size=(6, 9, 3))
+    values = rng.normal(loc=[0.0, 0.5, 1.0], size=(5, 7, 3))
     values[3:] = np.clip(np.round(2.0 * values[3:] + 4.0), 1.0, 7.0)  # ratings: ties and zeros
     values[1, 2, 0] = np.nan
     values[2, 0, 1] = values[2, 0, 0]  # one zero and no tie
@@ -96,7 +96,7 @@ def test_a_pair_has_a_little_less_power_than_the_t_test_would(protocol: StudyPro
         StudyProtocol.model_validate(alone),
         model(protocol, 0.0, 4.0),
         participants=[people],
-        studies=3000,
+        studies=1500,
         rng=np.random.default_rng(2),
     )
     got = found.table().set_index("question").loc["light-easy-on - light-hard-on", "power"]
@@ -107,13 +107,13 @@ def test_a_pair_has_a_little_less_power_than_the_t_test_would(protocol: StudyPro
 
 
 def test_more_people_and_fewer_losses_find_more(protocol: StudyProtocol) -> None:
-    sizes = (8, 14, 20, 32)
+    sizes = (8, 14, 24)
     found = {
         lost: power(
             protocol,
             model(protocol, 0.0, 1.5, 3.0, 6.0, lost=lost),
             participants=sizes,
-            studies=400,
+            studies=200,
             rng=np.random.default_rng(4),
         )
         for lost in (0.0, 0.1)
@@ -195,7 +195,7 @@ def test_simulated_people_bring_what_was_planted(protocol: StudyProtocol) -> Non
     errors = table.groupby("participant")["dtw_m"].mean()
     assert np.corrcoef(skills, errors)[0, 1] < -0.8
     assert table.equals(simulated_trials(protocol, PAPER, people=800, seed=2))
-    same = model_of(simulated_trials(protocol, NONE, people=800, seed=2), "heart_rate_mean_bpm").means
+    same = model_of(simulated_trials(protocol, NONE, people=400, seed=2), "heart_rate_mean_bpm").means
     assert max(same.values()) - min(same.values()) < 1.5
     assert run(protocol.analysis.model_copy(update={"correlations": ()}), table.head(160)).participants == 20
 
