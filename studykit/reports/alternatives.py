@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from studykit.analysis.heart_rate import Maximum
@@ -91,7 +89,8 @@ def alternatives(
     folder = folder_of(study)
     declared = Choices.of(read_protocol(folder.protocol))
     records = readable.visits(folder).records
-    jobs = ((record, folder.path, declared) for record in records)
+    stamp = readable.stamp(folder)
+    jobs = ((record, folder, stamp, declared) for record in records)
     measured: dict[str, _Values] = {}
     for found in progress(
         spread(_of_visit, jobs, workers=workers), label="Measuring otherwise", total=len(records)
@@ -101,9 +100,11 @@ def alternatives(
     return {words: _replaced(table, values) for words, values in measured.items()} | _counted_otherwise(table)
 
 
-def _of_visit(record: SessionRecord, path: Path, declared: Choices) -> dict[str, _Values]:
+def _of_visit(
+    record: SessionRecord, folder: StudyFolder, stamp: str, declared: Choices
+) -> dict[str, _Values]:
     """Measure the trials of one visit with every other choice, by where they stand in the table."""
-    dances = _dances(path)
+    dances = readable.dances(folder, as_of=stamp)
     hearts = {words: (one, Readings.of(record, one)) for words, one in heart_choices(declared).items()}
     found: dict[str, _Values] = {}
     for step, key in _trials(record):
@@ -118,11 +119,6 @@ def _of_visit(record: SessionRecord, path: Path, declared: Choices) -> dict[str,
             for words, choices in movement_choices(declared).items():
                 found.setdefault(words, {})[key] = columns_of_alignment(aligned(both, choices))
     return found
-
-
-@lru_cache(maxsize=1)
-def _dances(path: Path) -> readable.Dances:
-    return readable.dances(StudyFolder(path))
 
 
 def _trials(record: SessionRecord) -> Iterator[tuple[StepRecord, _Key]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -92,20 +91,16 @@ def _measured_now(
 ) -> Iterator[MeasuredTrial]:
     records = readable.visits(folder).records
     stamp = readable.stamp(folder)
-    jobs = ((record, folder.path, stamp, choices) for record in records)
+    jobs = ((record, folder, stamp, choices) for record in records)
     results = spread(_trials_of, jobs, workers=workers)
     for trials in progress(results, label="Measuring visits", total=len(records)):
         yield from trials
 
 
-@lru_cache(maxsize=1)
-def _shown(path: Path, stamp: str) -> readable.Dances:  # noqa: ARG001
-    """Read the dances of a study once a process; `stamp` changes when they do."""
-    return readable.dances(StudyFolder(path))
-
-
-def _trials_of(record: SessionRecord, path: Path, stamp: str, choices: Choices) -> list[MeasuredTrial]:
-    return _Visit(record, _shown(path, stamp), choices).trials()
+def _trials_of(
+    record: SessionRecord, folder: StudyFolder, stamp: str, choices: Choices
+) -> list[MeasuredTrial]:
+    return _Visit(record, readable.dances(folder, as_of=stamp), choices).trials()
 
 
 class _Visit:

@@ -74,14 +74,26 @@ def _visits(folder: StudyFolder, stamp: str) -> Visits:  # noqa: ARG001
     return Visits(records=tuple(records), errors=tuple(errors))
 
 
-def dances(folder: StudyFolder) -> Dances:
-    """Read every dance of a study that can be read.
+def dances(folder: StudyFolder, *, as_of: str | None = None) -> Dances:
+    """Read every dance of a study that can be read; from memory as long as no file changed.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    as_of : str, optional
+        Its `stamp`, where it is known already.
 
     Raises
     ------
     InputError
         If none can; it is what the first of them lacks.
     """
+    return _dances(folder, as_of or stamp(folder))
+
+
+@lru_cache(maxsize=2)
+def _dances(folder: StudyFolder, stamp: str) -> Dances:  # noqa: ARG001
     found, errors = {}, []
     for path in sorted(folder.dances.glob("*.json")):
         try:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from shutil import rmtree
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from studykit.io.protocol_file import read_protocol
+from studykit.recording.study_folder import StudyFolder
 from studykit.reports.alternatives import alternatives, heart_choices, movement_choices
 from studykit.reports.choices import Choices
 from studykit.reports.trials import trials
@@ -34,7 +36,11 @@ def study(recorded_study: Callable[[], Path]) -> Path:
 
 
 def test_each_choice_gives_what_measuring_everything_with_it_gives(study: Path) -> None:
+    for path in StudyFolder(study).sessions()[1:]:  # one visit shows it
+        path.unlink()
+        rmtree(study / path.stem.partition("_")[0])
     table = trials(study)
+    assert len(table) == 8
     declared = Choices.of(read_protocol(study / "code" / "protocol.toml"))
     found = alternatives(study, table)
     for choices, columns in ((heart_choices(declared), HEART), (movement_choices(declared), DISTANCE)):
@@ -58,12 +64,16 @@ def test_no_choice_is_the_declared_one() -> None:
     assert declared.maximum in {one.maximum for one in heart_choices(other).values()}
 
 
-def test_any_number_of_processes_measures_the_same(study: Path) -> None:
+def test_dances_made_anew_are_read_anew(study: Path) -> None:
     table = trials(study)
-    alone, together = alternatives(study, table, workers=1), alternatives(study, table, workers=2)
-    assert list(alone) == list(together)
-    for words, one in alone.items():
-        pd.testing.assert_frame_equal(one, together[words])
+    words, *_ = movement_choices(Choices.of(read_protocol(study / "code" / "protocol.toml")))
+    assert alternatives(study, table)[words]["dtw_m"].notna().all()
+    dances = StudyFolder(study).dances
+    (dances / "light-easy-on.npz").write_bytes((dances / "intense-easy-on.npz").read_bytes())
+    again = trials(study)
+    found = alternatives(study, again)[words]
+    assert found["dtw_m"].isna().equals(again["dtw_m"].isna())
+    assert found["dtw_m"].isna().sum() == 3
 
 
 def test_other_trials_are_counted(study: Path) -> None:

@@ -111,9 +111,3 @@ def test_who_dances_again_counts_once_and_the_repetitions_are_numbered(
     assert first["is_valid"].tolist() == [True, False] * 8
     # Only after the very last dance is there a minute without another effort, in a study with rests of 2 s.
     assert last["heart_rate_recovery_bpm"].isna().tolist() == [True] * 15 + [False]
-
-
-@pytest.mark.slow
-def test_any_number_of_processes_measures_the_same(recorded_study: Callable[[], Path]) -> None:
-    alone, together = trials(recorded_study(), workers=1), trials(recorded_study(), workers=2)
-    assert alone.to_csv() == together.to_csv()
