@@ -264,7 +264,7 @@ def _heart_rate(stem: Path, protocol: StudyProtocol, record: SessionRecord) -> I
 
 
 def heart_rate_grid(times_s: Floats, bpm: Floats, *, stop_s: float, longest_gap_s: float) -> Floats:
-    """Put readings on a regular grid: at every second, the latest one.
+    """Put readings on a regular grid: at every step, the latest one.
 
     Parameters
     ----------
@@ -279,10 +279,10 @@ def heart_rate_grid(times_s: Floats, bpm: Floats, *, stop_s: float, longest_gap_
 
     Returns
     -------
-    ndarray, shape (second,), beats/min
+    ndarray, shape (step,), beats/min
         NaN where there was no reading.
     """
-    grid_s = np.arange(int(stop_s) + 1) / metadata.HEART_RATE_HZ
+    grid_s = np.arange(int(stop_s * metadata.HEART_RATE_HZ) + 1) / metadata.HEART_RATE_HZ
     latest = np.searchsorted(times_s, grid_s, side="right") - 1
     values = np.full(len(grid_s), np.nan)
     has_one = latest >= 0

@@ -19,6 +19,7 @@ from studykit.analysis.heart_rate import mean_bpm
 from studykit.analysis.tables import TRIALS
 from studykit.cli import main
 from studykit.core.errors import InputError
+from studykit.recording.bids_metadata import HEART_RATE_HZ
 from studykit.recording.joint_channels import joint_named
 from studykit.recording.session_record import read_session
 from studykit.recording.study_folder import StudyFolder
@@ -65,7 +66,6 @@ def test_without_its_journal_a_study_gives_the_same_trials(
     assert table["data_sha256"].is_unique
     pd.testing.assert_frame_equal(paces(without_journal), paces(original))
     assert problems(without_journal, table=table) == []
-    # On the grid of one reading a second, every reading is up to a second late.
     for path, twin in zip(StudyFolder(original).sessions(), without_journal.sessions(), strict=True):
         record, other = read_session(path), read_session(twin)
         assert other.conditions == record.conditions
@@ -74,18 +74,12 @@ def test_without_its_journal_a_study_gives_the_same_trials(
         for step in record.steps:
             if step.phase != "perform":
                 continue
-            bounds = [
-                mean_bpm(
-                    record.heart_rate_times_s,
-                    record.heart_rate_bpm,
-                    step.start_s - late_s,
-                    step.stop_s - late_s,
-                    10.0,
-                )
-                for late_s in (0.0, 0.25, 0.5, 0.75, 1.0)
-            ]
-            got = mean_bpm(other.heart_rate_times_s, other.heart_rate_bpm, step.start_s, step.stop_s, 10.0)
-            assert min(bounds) - 0.5 <= got <= max(bounds) + 0.5
+            own, got = (
+                mean_bpm(one.heart_rate_times_s, one.heart_rate_bpm, step.start_s, step.stop_s, 10.0)
+                for one in (record, other)
+            )
+            # These dances last few seconds, so that one step of the grid moves the mean by this much at most.
+            assert abs(got - own) <= 0.5
 
 
 def test_a_file_that_does_not_match_its_digest_is_named(without_journal: StudyFolder) -> None:
@@ -122,7 +116,7 @@ def make_foreign(folder: StudyFolder) -> Path:
             .decode()
             .replace("n/a", "nan")
             .split()
-        )
+        )[:: int(HEART_RATE_HZ)]
         course = pd.read_csv(next(old.glob("*task-session_events.tsv")), sep="\t")
         new.mkdir()
         scans = []
@@ -223,7 +217,12 @@ def test_the_official_validator_finds_the_foreign_layout_valid_too(without_journ
             'is "light-easy-om"; write "light-easy-on"',
         ),
         ("-session_events.tsv", "\tcondition", "\twhat", 'the column "condition" is missing'),
-        ("_physio.json", '"SamplingFrequency": 1.0', '"SamplingFrequency": null', "SamplingFrequency"),
+        (
+            "_physio.json",
+            f'"SamplingFrequency": {HEART_RATE_HZ}',
+            '"SamplingFrequency": null',
+            "SamplingFrequency",
+        ),
         ("participants.tsv", "\t", " ", "cells stand below"),
     ],
 )

