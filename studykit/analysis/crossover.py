@@ -66,8 +66,9 @@ def order_effects(
     Notes
     -----
     One mixed model (see `mixed_model.mixed_model`): conditions, period, sequence and carry-over, in this
-    order, with a random intercept a participant. Sequence is constant within participants and is thereby
-    tested against the variance between them, on about participants - sequences degrees of freedom. What the
+    order, with a random intercept a participant. Period and carry-over are tested by how the participants
+    differ, sequence, which is constant within them, against the variance between them, on about
+    participants - sequences degrees of freedom. What the
     design cannot tell from the terms before it is left out: with two conditions in the orders AB and BA,
     for example, carry-over cannot be told from sequence (Jones & Kenward 2014, ch. 2). A test of carry-over
     that finds nothing does not show that there is none.

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from studykit.analysis.cluster_robust import ClusterRobust
 from studykit.analysis.random_intercept import Coefficient, Columns, RandomIntercept, Term, independent
-from studykit.core.arrays import Floats
+from studykit.core.arrays import Floats, Integers
 from studykit.core.errors import InputError, nearest
 
 if TYPE_CHECKING:
@@ -19,15 +20,19 @@ if TYPE_CHECKING:
 __all__ = ["Coefficient", "MixedModel", "Term", "mixed_model"]
 
 VARIANT = (
-    "linear mixed model with a random intercept a participant, restricted maximum likelihood; sum-to-zero "
-    "contrasts; Wald F of type III; degrees of freedom by Satterthwaite"
+    "linear mixed model with a random intercept a participant, estimated by restricted maximum likelihood; "
+    "sum-to-zero contrasts; standard errors robust to participants who respond differently (CR2, clustered "
+    "by participant); t with Satterthwaite's degrees of freedom, F of type III by Hotelling's T-squared, "
+    "approximated (HTZ)"
 )
 SINGULAR = (
-    "participants do not differ beyond what their trials do: the variance between them is estimated as zero, "
-    "and the trials are treated as independent"
+    "participants do not differ beyond what their trials do: the variance between them is estimated as zero"
 )
+BETWEEN = "; {} lies between participants and is tested by the variance between them (Wald F, Satterthwaite)"
+UNSURE = "too few participants, or too much alike, to tell how uncertain these are, so they are left out: {}"
 
-
+# How many of the numbers left out are named.
+_FEW = 6
 # What says where in the study a trial stood: it is allowed for, and its levels are not compared in pairs.
 _PLACES = frozenset({"period", "sequence"})
 
@@ -75,7 +80,7 @@ class MixedModel:
     participants: int
     is_singular: bool
     notes: tuple[str, ...]
-    variant: str = VARIANT
+    variant: str
 
 
 def mixed_model(
@@ -117,8 +122,12 @@ def mixed_model(
     in the first period ("none"): whatever distinguishes "none" from the others is the first period's mean, so
     that the two are not aliased (Jones & Kenward 2014, ch. 5). Without period, "none" is a term of its own.
 
-    People differ in their level, not in how strongly a factor acts on them: where they do, the intervals of
-    that factor are too narrow, and a comparison within participants (`aligned_ranks`, `wilcoxon`) is safer.
+    People differ in their level, and also in how strongly a factor acts on them. The model knows the first
+    alone, and its own interval of a factor would be too narrow; uncertainty is therefore taken from how the
+    participants differ, whatever their trials have in common (`ClusterRobust`). What lies wholly between
+    participants, the sequence, is the exception: it is tested against the variance between them, as ever.
+    Orders are given by chance, so that people vary alike in all of them unless sequence matters, and two or
+    three people a sequence are too few to estimate a variance of each.
     """
     used, notes = with_values(trials, outcome, [*factors, "participant", "period", "previous_condition"])
     blocks = factorial(used, factors, notes)
@@ -275,28 +284,40 @@ def fitted(
         raise InputError(
             str(problem), where=outcome, remedy="give several trials of two people or more, and fewer terms"
         ) from None
-    names = ["intercept", *(name for block in blocks for name in block.names)]
-    terms, differences, means, said = [], [], [], list(notes)
-    start = 1
+    unsure: list[str] = []
+    between = _Judge(by=fit, confidence=confidence, unsure=unsure)
+    robust = _Judge(by=ClusterRobust(fit), confidence=confidence, unsure=unsure)
+    judges, names, said, variant = [robust], ["intercept"], list(notes), VARIANT
+    terms, differences, means = [], [], []
     for block in blocks:
-        columns = [kept.index(place) for place in range(start, start + len(block.names)) if place in kept]
-        start += len(block.names)
+        places = range(len(names), len(names) + len(block.names))
+        columns = [kept.index(place) for place in places if place in kept]
+        judge = between if _is_between(block, who) else robust
+        judges += [judge] * len(block.names)
+        names += block.names
         if columns:
-            terms.append(fit.term(block.term, columns))
+            terms += judge.term(block.term, columns)
+        if columns and judge is between:
+            variant += BETWEEN.format(block.term)
         if len(columns) < len(block.names) or not columns:
             said.append(_aliased(block, len(columns)))
         elif block.term in trials.columns:
             levels = _level_directions(trials[block.term], columns, len(kept))
-            means += _means(fit, block.term, levels, confidence)
-            differences += _differences(fit, block.term, levels, confidence)
-    if fit.is_singular:
-        said.append(SINGULAR)
+            means += _means(judge, block.term, levels)
+            differences += _differences(judge, block.term, levels)
+    axes = zip(kept, np.eye(len(kept)), strict=True)
+    coefficients = [one for place, axis in axes for one in judges[place].coefficient(names[place], axis)]
+    if len(coefficients) < min(2, len(kept)):  # the intercept alone tells nothing that was asked
+        raise InputError(
+            "too few participants, or too much alike, to tell how uncertain anything is",
+            where=outcome,
+            remedy="give more participants, or fewer terms",
+        )
+    said += [SINGULAR] if fit.is_singular else []
+    said += [UNSURE.format(_some(unsure))] if unsure else []
     return MixedModel(
         formula=f"{outcome} ~ {formula}",
-        coefficients=tuple(
-            fit.coefficient(names[place], direction, confidence=confidence)
-            for place, direction in zip(kept, np.eye(len(kept)), strict=True)
-        ),
+        coefficients=tuple(coefficients),
         differences=tuple(differences),
         means=tuple(means),
         terms=tuple(terms),
@@ -306,6 +327,7 @@ def fitted(
         participants=len(people),
         is_singular=fit.is_singular,
         notes=tuple(said),
+        variant=variant,
     )
 
 
@@ -328,21 +350,52 @@ def _level_directions(values: pd.Series, columns: Sequence[int], width: int) -> 
     return dict(zip(levels, (*unit, -unit.sum(axis=0)), strict=True))
 
 
-def _means(
-    fit: RandomIntercept, term: str, levels: dict[object, Floats], confidence: float
-) -> list[Coefficient]:
+def _means(judge: _Judge, term: str, levels: dict[object, Floats]) -> list[Coefficient]:
     return [
-        fit.coefficient(f"{term}: {level}", np.eye(len(away))[0] + away, confidence=confidence)
+        one
         for level, away in levels.items()
+        for one in judge.coefficient(f"{term}: {level}", np.eye(len(away))[0] + away)
     ]
 
 
-def _differences(
-    fit: RandomIntercept, term: str, levels: dict[object, Floats], confidence: float
-) -> list[Coefficient]:
+def _differences(judge: _Judge, term: str, levels: dict[object, Floats]) -> list[Coefficient]:
     if term in _PLACES:
         return []
     return [
-        fit.coefficient(f"{term}: {a} - {b}", levels[a] - levels[b], confidence=confidence)
+        one
         for a, b in combinations(levels, 2)
+        for one in judge.coefficient(f"{term}: {a} - {b}", levels[a] - levels[b])
     ]
+
+
+def _some(names: Sequence[str]) -> str:
+    """Name a few, and count the rest."""
+    rest = len(names) - _FEW
+    return ", ".join(names) if rest <= 0 else f"{', '.join(names[:_FEW])} and {rest} more"
+
+
+def _is_between(block: Columns, people: Integers) -> bool:
+    """Tell whether all trials of a person have the same value in every column."""
+    first = np.unique(people, return_index=True)[1]
+    return bool(np.all(block.values == block.values[first][people]))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Judge:
+    """Who tells how sure an answer is; what cannot be told is left out and its name kept."""
+
+    by: RandomIntercept | ClusterRobust
+    confidence: float
+    unsure: list[str]
+
+    def coefficient(self, name: str, direction: Floats) -> list[Coefficient]:
+        found = self.by.coefficient(name, direction, confidence=self.confidence)
+        if found is None:
+            self.unsure.append(name)
+        return [] if found is None else [found]
+
+    def term(self, name: str, columns: Sequence[int]) -> list[Term]:
+        found = self.by.term(name, columns)
+        if found is None:
+            self.unsure.append(name)
+        return [] if found is None else [found]

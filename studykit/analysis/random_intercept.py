@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -27,7 +28,7 @@ class Coefficient:
     estimate, standard_error : float
         In the outcome's unit.
     degrees_of_freedom : float
-        Of t (Satterthwaite).
+        Of t.
     t, p : float
         Two-sided test of no effect.
     interval : tuple of float
@@ -42,6 +43,43 @@ class Coefficient:
     p: float
     interval: tuple[float, float]
 
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        *,
+        estimate: float,
+        standard_error: float,
+        degrees_of_freedom: float,
+        confidence: float,
+    ) -> Self:
+        """Test an estimate against zero, and give its interval.
+
+        Parameters
+        ----------
+        name : str
+            What to call it.
+        estimate, standard_error : float
+            In the outcome's unit.
+        degrees_of_freedom : float
+            Of t.
+        confidence : float
+            Coverage of the interval, 0 to 1.
+        """
+        from scipy.special import stdtr, stdtrit
+
+        t = estimate / standard_error
+        reach = standard_error * float(stdtrit(degrees_of_freedom, 0.5 + confidence / 2.0))
+        return cls(
+            name=name,
+            estimate=estimate,
+            standard_error=standard_error,
+            degrees_of_freedom=degrees_of_freedom,
+            t=t,
+            p=float(2.0 * stdtr(degrees_of_freedom, -abs(t))),
+            interval=(estimate - reach, estimate + reach),
+        )
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Term:
@@ -52,9 +90,9 @@ class Term:
     name : str
         Such as ``intensity:variety``.
     f : float
-        Wald's statistic: type III, each term tested with all others in the model.
+        Type III: each term is tested with all others in the model.
     numerator_df, denominator_df : float
-        Degrees of freedom; the second by Satterthwaite's approximation.
+        Degrees of freedom.
     p : float
     """
 
@@ -138,6 +176,7 @@ class RandomIntercept:
     """
 
     def __init__(self, design: Floats, values: Floats, people: Integers) -> None:
+        self.design, self.people = design, people
         membership = (people[:, None] == np.arange(people.max() + 1)).astype(np.float64)
         self._divide(design, values, membership)
         ratio = self._best_ratio()
@@ -199,6 +238,7 @@ class RandomIntercept:
         self.estimates = self.covariance @ (
             (design.T @ values - sums.T @ (shares * (membership.T @ values))) / self.within
         )
+        self.residuals = values - design @ self.estimates
         # Derivatives of the estimates' covariance: C X'W (dV) W X C, W X = (X - share of the sums) / within.
         weighted = (design - membership @ (shares[:, None] * sums)) / self.within
         weighted_sums = membership.T @ weighted
@@ -220,7 +260,7 @@ class RandomIntercept:
         return float(2.0 * variance**2 / (gradient @ self._uncertainty @ gradient))
 
     def coefficient(self, name: str, direction: Floats, *, confidence: float) -> Coefficient:
-        """Estimate one combination of the columns' coefficients.
+        """Estimate one combination of the columns' coefficients, as if all people responded alike.
 
         Parameters
         ----------
@@ -231,24 +271,16 @@ class RandomIntercept:
         confidence : float
             Coverage of the interval, 0 to 1.
         """
-        from scipy.special import stdtr, stdtrit
-
-        estimate = float(direction @ self.estimates)
-        error = float(np.sqrt(direction @ self.covariance @ direction))
-        freedom = self._degrees_of_freedom(direction)
-        reach = error * float(stdtrit(freedom, 0.5 + confidence / 2.0))
-        return Coefficient(
-            name=name,
-            estimate=estimate,
-            standard_error=error,
-            degrees_of_freedom=freedom,
-            t=estimate / error,
-            p=float(2.0 * stdtr(freedom, -abs(estimate / error))),
-            interval=(estimate - reach, estimate + reach),
+        return Coefficient.of(
+            name,
+            estimate=float(direction @ self.estimates),
+            standard_error=float(np.sqrt(direction @ self.covariance @ direction)),
+            degrees_of_freedom=self._degrees_of_freedom(direction),
+            confidence=confidence,
         )
 
     def term(self, name: str, columns: Sequence[int]) -> Term:
-        """Test whether the coefficients of some columns are all zero.
+        """Test whether the coefficients of some columns are all zero, as if all people responded alike.
 
         Parameters
         ----------

@@ -1,7 +1,8 @@
 # Makes mixed_model.json: Rscript mixed_model.R > mixed_model.json
 # Three small studies: 20 people in a Williams square of 8 with trials missing; a study in which people do not
-# differ (singular); one factor of three levels. The models are fitted by lme4, tested by lmerTest.
-suppressPackageStartupMessages({library(lmerTest); library(emmeans); library(jsonlite)})
+# differ (singular); one factor of three levels. The models are fitted by lme4, tested by lmerTest as if all
+# people responded alike, and by clubSandwich (CR2, participants as clusters) as if they did not.
+suppressPackageStartupMessages({library(lmerTest); library(emmeans); library(clubSandwich); library(jsonlite)})
 options(contrasts = c("contr.sum", "contr.poly"))
 
 williams <- function(k) {
@@ -47,20 +48,42 @@ report <- function(data, factors, sequence = FALSE) {
   L[cbind(seq_len(ncol(after)), match(colnames(after), rownames(table)))] <- 1
   carried <- contestMD(model, L)
   both <- function(column, extra) c(setNames(tests[keep, column], rownames(tests)[keep]), "carry-over" = extra)
-  pairs <- lapply(setNames(factors, factors), function(name) {
-    means <- suppressMessages(emmeans(model, as.formula(paste("~", name)), lmer.df = "satterthwaite"))
-    as.data.frame(summary(contrast(means, "pairwise"), infer = TRUE, adjust = "none"))
-  })
+  pairs <- lapply(setNames(factors, factors), function(name)
+    contrast(suppressMessages(emmeans(model, as.formula(paste("~", name)))), "pairwise"))
   # Carry-over at its mean: all its columns zero.
   at_mean <- setNames(rep(list(0), ncol(after)), colnames(after))
-  periods <- as.data.frame(suppressMessages(emmeans(model, ~period, at = at_mean, lmer.df = "satterthwaite")))
+  periods <- suppressMessages(emmeans(model, ~period, at = at_mean))
   sds <- as.data.frame(VarCorr(model))$sdcor
-  list(data = data, factors = I(factors), estimate = unname(table[, 1]), standard_error = unname(table[, 2]),
-       df = unname(table[, 3]), p = unname(table[, 5]), names = rownames(table),
-       f = as.list(both("F value", carried[["F value"]])), denominator_df = as.list(both("DenDF", carried$DenDF)),
-       numerator_df = as.list(both("NumDF", carried$NumDF)), f_p = as.list(both("Pr(>F)", carried[["Pr(>F)"]])),
-       between_sd = sds[1], within_sd = sds[2], pairs = pairs, periods = periods,
-       is_singular = isSingular(model))
+  list(data = data, factors = I(factors), names = rownames(table), estimate = unname(table[, 1]),
+       between_sd = sds[1], within_sd = sds[2], is_singular = isSingular(model),
+       alike = list(standard_error = unname(table[, 2]), df = unname(table[, 3]), p = unname(table[, 5]),
+                    f = as.list(both("F value", carried[["F value"]])),
+                    numerator_df = as.list(both("NumDF", carried$NumDF)),
+                    denominator_df = as.list(both("DenDF", carried$DenDF)),
+                    f_p = as.list(both("Pr(>F)", carried[["Pr(>F)"]]))),
+       robust = robust(model, pairs, periods))
+}
+
+robust <- function(model, pairs, periods) {
+  covariance <- vcovCR(model, type = "CR2")
+  tests <- coef_test(model, covariance, test = "Satterthwaite")
+  design <- model.matrix(model)
+  labels <- attr(terms(model), "term.labels")[attr(design, "assign")]
+  labels[startsWith(labels, "after")] <- "carry-over"
+  terms <- lapply(setNames(nm = unique(labels)), function(label) {
+    columns <- which(labels == label) + 1
+    as.data.frame(Wald_test(model, constrain_zero(columns), covariance, test = "HTZ"))
+  })
+  given <- function(name) lapply(terms, function(term) term[[name]])
+  told <- function(grid) {
+    weights <- grid@linfct
+    found <- as.data.frame(linear_contrast(model, covariance, weights, p_values = TRUE))
+    data.frame(found[c("Est", "SE", "df", "CI_L", "CI_U", "p_val")], row.names = NULL)
+  }
+  pairs <- lapply(pairs, function(grid) cbind(contrast = as.character(grid@grid[[1]]), told(grid)))
+  list(standard_error = tests$SE, df = tests$df_Satt, p = tests$p_Satt, f = given("Fstat"),
+       numerator_df = given("df_num"), denominator_df = given("df_denom"), f_p = given("p_val"),
+       pairs = pairs, periods = cbind(period = as.character(periods@grid$period), told(periods)))
 }
 
 split_levels <- function(data) {
@@ -80,7 +103,8 @@ factors <- c("intensity", "variety", "transition")
 found <- list(
   versions = list(R = as.character(getRversion()), lme4 = as.character(packageVersion("lme4")),
                   lmerTest = as.character(packageVersion("lmerTest")),
-                  emmeans = as.character(packageVersion("emmeans"))),
+                  emmeans = as.character(packageVersion("emmeans")),
+                  clubSandwich = as.character(packageVersion("clubSandwich"))),
   missing_cells = report(missing, factors), with_sequence = report(missing, factors, TRUE),
   singular = report(alike, factors), three_levels = report(levels, "condition"))
 # The data of the second are those of the first.

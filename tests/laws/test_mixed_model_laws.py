@@ -17,6 +17,9 @@ from studykit.analysis.mixed_model import MixedModel, mixed_model
 from studykit.core.errors import InputError
 from studykit.protocol.latin_square import williams
 
+LABELS = [f"{a}-{b}-{c}" for a in ("light", "intense") for b in ("easy", "hard") for c in ("off", "on")]
+FACTORS = ["intensity", "variety", "transition"]
+
 
 def study(
     rng: np.random.Generator, *, people: int, labels: list[str], between: float = 3.0, within: float = 1.0
@@ -55,13 +58,56 @@ def test_with_complete_data_it_is_the_classical_repeated_measures_test(seed: int
     table = trials.pivot(index="participant", columns="condition", values="value")
     expected = stats.ttest_rel(table["a"], table["b"])
     found = term(model, "condition")
-    if not model.is_singular:
-        assert found.f == pytest.approx(expected.statistic**2, rel=1e-6)
-        assert found.denominator_df == pytest.approx(people - 1, rel=1e-6)
-        assert found.p == pytest.approx(expected.pvalue, rel=1e-5, abs=1e-12)
+    assert found.f == pytest.approx(expected.statistic**2, rel=1e-6)
+    assert found.denominator_df == pytest.approx(people - 1, rel=1e-6)
+    assert found.p == pytest.approx(expected.pvalue, rel=1e-5, abs=1e-12)
     (difference,) = model.differences
     assert difference.name == "condition: a - b"
-    assert difference.estimate == pytest.approx((table["a"] - table["b"]).mean())
+    is_paired(difference, table["a"] - table["b"])
+
+
+def is_paired(found: random_intercept.Coefficient, differences: pd.Series) -> None:
+    """Check that it is the paired t test of these differences."""
+    expected = stats.ttest_1samp(differences, 0.0)
+    assert found.estimate == pytest.approx(differences.mean())
+    assert found.t == pytest.approx(expected.statistic, rel=1e-6)
+    assert found.degrees_of_freedom == pytest.approx(len(differences) - 1, rel=1e-6)
+    assert found.p == pytest.approx(expected.pvalue, rel=1e-5, abs=1e-12)
+    assert found.interval == pytest.approx(tuple(expected.confidence_interval()), rel=1e-6, abs=1e-9)
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.integers(0, 2**32 - 1), st.integers(3, 20), st.floats(0.0, 5.0))
+def test_every_factor_is_the_paired_t_test_of_what_it_does_to_each_participant(
+    seed: int, people: int, slope_sd: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    trials = study(rng, people=people, labels=LABELS)
+    trials[FACTORS] = trials["condition"].str.split("-", expand=True)
+    gain = rng.normal(3.0, slope_sd, people)[trials["participant"].astype(int)]
+    trials["value"] += gain * (trials["intensity"] == "intense")
+    model = mixed_model(trials, "value", factors=FACTORS, with_period=False, with_carry_over=False)
+    for found in model.differences:
+        factor, _, levels = found.name.partition(": ")
+        a, b = levels.split(" - ")
+        means = trials.pivot_table(index="participant", columns=factor, values="value")
+        is_paired(found, means[a] - means[b])
+
+
+@settings(deadline=None, max_examples=10)
+@given(st.integers(0, 2**32 - 1), st.integers(6, 12))
+def test_several_conditions_together_are_hotellings_t_squared(seed: int, people: int) -> None:
+    # The classical test that the means of the participants' contrasts are zero, whatever their covariance.
+    rng = np.random.default_rng(seed)
+    trials = study(rng, people=people, labels=["a", "b", "c", "d"])
+    model = mixed_model(trials, "value", factors=["condition"], with_period=False, with_carry_over=False)
+    wide = trials.pivot(index="participant", columns="condition", values="value").to_numpy()
+    contrasts = wide[:, 1:] - wide[:, :1]
+    mean = contrasts.mean(axis=0)
+    squared = people * mean @ np.linalg.solve(np.cov(contrasts.T), mean)
+    found = term(model, "condition")
+    assert found.f == pytest.approx((people - 3) / (3 * (people - 1)) * squared, rel=1e-6)
+    assert (found.numerator_df, found.denominator_df) == (3, pytest.approx(people - 3, rel=1e-6))
 
 
 @settings(deadline=None, max_examples=20)
@@ -110,7 +156,7 @@ def test_people_who_do_not_differ_are_said_in_words() -> None:
     model = mixed_model(trials.assign(value=trials["value"] - levels), "value", factors=["condition"])
     assert model.is_singular
     assert model.between_sd == 0.0
-    assert any("treated as independent" in note for note in model.notes)
+    assert any("estimated as zero" in note for note in model.notes)
 
 
 def test_where_the_likelihood_is_flat_at_zero_people_do_not_differ() -> None:
@@ -141,6 +187,7 @@ def test_with_two_conditions_carry_over_cannot_be_told_from_sequence() -> None:
     assert effects.carry_over is None
     assert effects.sequence is not None
     assert effects.sequence.denominator_df == pytest.approx(8.0)
+    assert "; sequence lies between participants" in effects.model.variant
     assert effects.period is not None
     assert any(note.startswith("carry-over cannot be told") for note in effects.model.notes)
 
@@ -169,7 +216,7 @@ def test_sequence_is_tested_between_people() -> None:
 
 def test_planted_order_effects_are_found_and_their_size_estimated() -> None:
     trials = study(np.random.default_rng(7), people=16, labels=["a", "b", "c", "d"])
-    shifted = trials["value"] + 2.0 * (trials["period"] == 1) + 3.0 * (trials["previous_condition"] == "b")
+    shifted = trials["value"] + 3.0 * (trials["period"] == 1) + 3.0 * (trials["previous_condition"] == "b")
     effects = order_effects(trials.assign(value=shifted), "value")
     assert effects.period is not None
     assert effects.carry_over is not None
@@ -178,7 +225,7 @@ def test_planted_order_effects_are_found_and_their_size_estimated() -> None:
     first, *others = effects.period_means
     assert [mean.name for mean in effects.period_means] == [f"period: {number}" for number in range(1, 5)]
     # Periods are compared at the mean carry-over, which adds 3 / 4 to all but the first.
-    assert first.estimate - np.mean([mean.estimate for mean in others]) == pytest.approx(1.25, abs=1.0)
+    assert first.estimate - np.mean([mean.estimate for mean in others]) == pytest.approx(2.25, abs=1.0)
     carried = {found.name: found.estimate for found in effects.model.coefficients}
     assert carried["carry-over[b]"] == pytest.approx(3.0 * 3 / 4, abs=1.0)
 
@@ -211,6 +258,34 @@ def test_data_that_cannot_be_modelled_are_refused_in_words(change: dict[str, obj
         mixed_model(trials.assign(**change), "value", factors=["condition"])
 
 
+def test_what_too_few_participants_cannot_tell_is_left_out_in_words() -> None:
+    # Three people, eight conditions and eight periods: each of them decides some part of it alone.
+    trials = study(np.random.default_rng(12), people=3, labels=LABELS)
+    with pytest.raises(InputError, match="too few participants, or too much alike"):
+        mixed_model(trials, "value", factors=["condition"], with_carry_over=False)
+    # Five people can tell two conditions apart, but not test seven contrasts at once.
+    trials = study(np.random.default_rng(12), people=5, labels=LABELS)
+    trials["intensity"] = trials["condition"].str.partition("-")[0]
+    model = mixed_model(trials, "value", factors=["intensity"], with_carry_over=False)
+    assert [found.name for found in model.terms] == ["intensity"]
+    assert len(model.differences) == 1
+    assert model.notes[-1].endswith("so they are left out: period")
+
+
+def test_people_who_all_respond_exactly_alike_leave_no_test() -> None:
+    trials = study(np.random.default_rng(13), people=6, labels=["a", "b", "c"])
+    by_person = trials.groupby("participant")["value"].transform("first")
+    apart = np.where(
+        trials["condition"] == "c", trials["value"], by_person + 2.0 * (trials["condition"] == "b")
+    )
+    model = mixed_model(
+        trials.assign(value=apart), "value", factors=["condition"], with_period=False, with_carry_over=False
+    )
+    assert [one.name for one in model.differences] == ["condition: a - c", "condition: b - c"]
+    assert not model.terms
+    assert model.notes[-1].endswith("left out: condition, condition: a - b")
+
+
 def test_more_terms_than_trials_are_refused_in_words() -> None:
     trials = study(np.random.default_rng(9), people=2, labels=[*"abcdefgh"])
     with pytest.raises(InputError, match="the model has as many terms as there are trials, 16"):
@@ -221,14 +296,13 @@ def test_more_terms_than_trials_are_refused_in_words() -> None:
 def test_intervals_cover_and_tests_err_as_often_as_they_say() -> None:
     # 1,000 studies of 20 with planted effects of the conditions alone: 95 % and 5 %, three standard errors.
     rng = np.random.default_rng(10)
-    labels = [f"{a}-{b}-{c}" for a in ("light", "intense") for b in ("easy", "hard") for c in ("off", "on")]
-    planted = dict(zip(labels, (0.0, 1.0, 0.5, 1.5, 3.0, 4.0, 3.5, 4.5), strict=True))
+    planted = dict(zip(LABELS, (0.0, 1.0, 0.5, 1.5, 3.0, 4.0, 3.5, 4.5), strict=True))
     covered, errors = [], []
     for _ in range(1000):
-        trials = study(rng, people=20, labels=labels)
-        trials[["intensity", "variety", "transition"]] = trials["condition"].str.split("-", expand=True)
+        trials = study(rng, people=20, labels=LABELS)
+        trials[FACTORS] = trials["condition"].str.split("-", expand=True)
         trials["value"] += trials["condition"].map(planted)
-        found = order_effects(trials, "value", factors=["intensity", "variety", "transition"])
+        found = order_effects(trials, "value", factors=FACTORS)
         effects = {
             "intensity: intense - light": 3.0,
             "variety: easy - hard": -0.5,
