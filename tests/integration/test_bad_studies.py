@@ -81,10 +81,6 @@ def test_one_participant(recorded_study: Study) -> None:
 
 def test_a_condition_that_is_missing_everywhere(recorded_study: Study) -> None:
     folder = without_bids(recorded_study())
-
-    def not_danced(record: Record) -> dict[str, Any]:
-        return dict(record.data)
-
     for path in folder.sessions():
         records = read_journal(path)
         steps = {
@@ -93,7 +89,7 @@ def test_a_condition_that_is_missing_everywhere(recorded_study: Study) -> None:
             if record.kind == "step_started"
             and (record.data["phase"], record.data["condition"]) == ("perform", "light-easy-off")
         }
-        rewritten(path, lambda r, steps=steps: None if r.data.get("step") in steps else not_danced(r))
+        rewritten(path, lambda r, steps=steps: None if r.data.get("step") in steps else dict(r.data))
     named, table, results = found(folder)
     assert kinds(named) == {"missing condition"}
     assert "light-easy-off" in named[0].words
@@ -244,15 +240,21 @@ def test_a_dance_that_was_changed(recorded_study: Study) -> None:
     assert "not the one that was shown" in named[0].words
 
 
+def recorded_again(folder: StudyFolder, participant: str, session: str) -> None:
+    """Put the first visit of participant 01 there once more, under another name."""
+    first, second = folder.journal("01", "01"), folder.journal(participant, session)
+    told = {"participant": participant, "session": session}
+
+    def renamed(record: Record) -> dict[str, Any]:
+        return dict(record.data) | (told if record.kind == "session_started" else {})
+
+    rewritten(first, renamed, second)
+    copytree(first.with_suffix(""), second.with_suffix(""))
+
+
 def test_a_participant_who_is_there_twice(recorded_study: Study) -> None:
     folder = without_bids(recorded_study())
-    first = folder.journal("01", "01")
-
-    def again(record: Record) -> dict[str, Any]:
-        return dict(record.data) | ({"session": "02"} if record.kind == "session_started" else {})
-
-    rewritten(first, again, folder.journal("01", "02"))
-    copytree(first.with_suffix(""), folder.journal("01", "02").with_suffix(""))
+    recorded_again(folder, "01", "02")
     named, table, results = found(folder)
     assert kinds(named) == {"duplicated participant"}
     assert named[0].where == "sub-01_ses-02"
@@ -263,13 +265,7 @@ def test_a_participant_who_is_there_twice(recorded_study: Study) -> None:
 
 def test_a_recording_under_two_names(recorded_study: Study) -> None:
     folder = without_bids(recorded_study())
-    first = folder.journal("01", "01")
-
-    def renamed(record: Record) -> dict[str, Any]:
-        return dict(record.data) | ({"participant": "04"} if record.kind == "session_started" else {})
-
-    rewritten(first, renamed, folder.journal("04", "01"))
-    copytree(first.with_suffix(""), folder.journal("04", "01").with_suffix(""))
+    recorded_again(folder, "04", "01")
     named, table, _ = found(folder)
     assert kinds(named) == {"duplicated participant"}
     assert not table.loc[table["participant"] == "04", "is_valid"].any()

@@ -53,6 +53,7 @@ def test_two_processes_make_the_same_bytes(tmp_path: Path) -> None:
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
 
 
+@pytest.mark.slow  # the cohort's, which goes the same way, is in the default run
 def test_a_dask_cluster_makes_the_same_bytes_by_the_same_call(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="Dask is not installed")
     from joblib import parallel_config
