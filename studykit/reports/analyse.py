@@ -11,7 +11,7 @@ import numpy as np
 from studykit.analysis import Results, enjoyment, run
 from studykit.analysis.learning import learning
 from studykit.analysis.results import plain
-from studykit.analysis.sensitivity import sensitivity
+from studykit.analysis.sensitivity import sensitivity, vigorous_times, without_effect
 from studykit.core import durable
 from studykit.core.errors import InputError
 from studykit.core.progress import Progress, silent
@@ -55,8 +55,11 @@ def analyse(study: AnyStudy, *, workers: int | None = None, progress: Progress =
     table = trials(folder, workers=workers, progress=progress)
     results = results_of(folder, workers=workers)
     others = alternatives(folder, table, workers=workers, progress=progress)
+    made_again = sensitivity(protocol.analysis, table, others)
     written = results.to_dict() | {
-        "sensitivity": plain(sensitivity(protocol.analysis, table, others)),
+        "sensitivity": plain(made_again),
+        "choices_without_effect": plain(without_effect(made_again, others)),
+        "vigorous_times": plain(vigorous_times(protocol.conditions_list(), table, others)),
         "warnings": plain(problems(folder, table=table)),
         "enjoyment": enjoyment_of(paces(folder)),
         "learning": plain([found] if (found := learning(table)) is not None else []),

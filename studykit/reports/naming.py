@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from studykit.analysis.tables import TRIALS
+from studykit.protocol.condition import ALL_CONDITIONS
 
 _UNITS = {"bpm": "beats/min", "1": "", "": ""}
 _NAMES = {
@@ -28,6 +29,11 @@ def condition(name: str) -> str:
     """
     levels = name.split("-")
     return " – ".join(level.capitalize() for level in levels[:2]) + "".join(f", {x}" for x in levels[2:])
+
+
+def place(name: str) -> int:
+    """Tell where a condition stands in every table: light before intense, easy before hard, on before off."""
+    return ALL_CONDITIONS.index(name) if name in ALL_CONDITIONS else len(ALL_CONDITIONS)
 
 
 def outcome(name: str) -> str:

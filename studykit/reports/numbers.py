@@ -100,6 +100,23 @@ def limits(ends: Iterable[float] | None, decimals: int = 2) -> str:
     return MISSING if ends is None else f"[{', '.join(number(end, decimals) for end in ends)}]"
 
 
+def times(factor: float | None) -> str:
+    """Write how many times better one thing is than another: three digits, and no more than can be believed.
+
+    Examples
+    --------
+    >>> times(2.6787), times(41.23), times(0.26), times(3.1e9), times(1e-5)
+    ('2.68', '41.2', '0.260', '> 1000', '< 0.001')
+    """
+    if factor is None or not math.isfinite(factor):
+        return MISSING if factor is None or math.isnan(factor) else "> 1000"
+    if factor > 1000.0:
+        return "> 1000"
+    if factor < 0.001:
+        return "< 0.001"
+    return f"{factor:#.3g}".rstrip(".")
+
+
 def anything(value: object) -> str:
     """Write whatever a result holds: numbers with four digits that count, lists in brackets.
 

@@ -18,10 +18,10 @@ from studykit.reports.material import Drawing, Material
 from studykit.reports.page import width_mm
 from studykit.reports.place import AnyStudy, folder_of
 from studykit.reports.sections.consort import consort
+from studykit.reports.sections.glance import at_a_glance
 from studykit.reports.sections.methods import methods
 from studykit.reports.sections.models import further
 from studykit.reports.sections.outcomes import (
-    at_a_glance,
     by_condition,
     correlations,
     declared_tests,
@@ -29,6 +29,7 @@ from studykit.reports.sections.outcomes import (
 )
 from studykit.reports.sections.published import published
 from studykit.reports.sections.quality import problems_by_words, quality, shown_dances
+from studykit.reports.sections.sensitivity import sensitivity
 from studykit.reports.sections.study import study as what_was_done
 
 if TYPE_CHECKING:
@@ -127,6 +128,7 @@ def composed(material: Material, results: dict[str, Any], figures: Sequence[Figu
         declared_tests(results),
         correlations(results),
         *further(results),
+        sensitivity(results),
         enjoyment(results),
         _figures(figures),
         published(results),

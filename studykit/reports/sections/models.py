@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from studykit.reports.document import Block, Paragraph, Section, Table, Words, bold, italic, listed
+from studykit.reports.document import Block, Paragraph, Section, Table, Words, italic, listed
 from studykit.reports.naming import condition, outcome, sentence, titled, unit, with_unit
-from studykit.reports.numbers import anything, bounded, interval, number, p_cell, p_value
+from studykit.reports.numbers import anything, number, p_cell, p_value
 
 _SYMBOLS: dict[str, Words] = {
     "p": (italic("p"),), "f": (italic("F"),), "t": (italic("t"),), "f_p": (italic("p"), " of F"),
     "n": (italic("n"),), "df": "df", "is_equivalent": "Equivalent", "p_low": (italic("p"), " low"),
-    "p_high": (italic("p"), " high"), "numerator_df": "df", "denominator_df": "df of the error",
+    "p_high": (italic("p"), " high"), "numerator_df": "Numerator df", "denominator_df": "Denominator df",
     "chi_squared": "χ²", "kendalls_w": (italic("W"),), "kendalls_w_interval": "Interval of W",
     "degrees_of_freedom": "df", "standard_error": "SE", "partial_eta_squared": "Partial η²",
     "p_greenhouse_geisser": (italic("p"), " (Greenhouse–Geisser)"), "bayes_factor": "BF₁₀",
@@ -26,26 +26,25 @@ _TITLES = {
     "factorials": "Factors and their interactions",
     "curves": "Curves",
     "equivalences": "Equivalence",
-    "sensitivity": "Sensitivity",
     "bayes_factors": "Bayes factors",
 }
 _OPENINGS = {
     "models": "A mixed model gives every participant a level of their own and uses all valid "
-    "trials, also those of people who lack some.",
+    "trials, also those of people who lack some. Intervals and tests rest on how much participants differ in "
+    "what a factor does to them, so that they hold where people respond differently.",
     "order_effects": "Whether an outcome changed from period to period, differed between sequences, "
-    "or carried over from the dance before, beside the conditions.",
+    "or carried over from the dance before, beside the conditions. Period and carry-over are tested by how "
+    "much participants differ in them; sequence, which lies between them, by how much their levels differ.",
     "factorials": "Each factor’s effect after aligned ranks.",
     "curves": "Where two conditions differ over time: stretches (clusters) that chance seldom "
     "makes so large, found by permuting whose curve is whose.",
     "equivalences": "Whether conditions are the same within limits named before the study: two one- "
     "sided tests, one against each limit.",
-    "sensitivity": "Every declared test again, each time with one defensible choice made "
-    "otherwise; a verdict that changes hangs on that choice.",
     "bayes_factors": "How much better a difference explains the data than none.",
 }
 _KNOWN = frozenset(
     {"alpha", "participants", "trials", "valid_trials", "is_simulated", "tests", "correlations", "enjoyment",
-     "provenance", "warnings"}
+     "provenance", "warnings", "sensitivity", "choices_without_effect", "vigorous_times"}
 )  # fmt: skip
 
 
@@ -78,43 +77,12 @@ def _flat(value: Any) -> tuple[Block, ...]:
     rows = [entry for entry in (value if isinstance(value, list) else []) if isinstance(entry, dict)]
     if not rows or not _is_rows(rows):
         return ()
-    return (_choices(rows),) if "choice" in rows[0] else (_table(rows, ""),)
-
-
-def _choices(rows: list[dict[str, Any]]) -> Table:
-    """Set every declared test with every choice, and in bold the verdicts that change."""
-    return Table(
-        title="Declared tests with one choice made otherwise.",
-        head=(
-            "Test, choice",
-            (italic("n"),),
-            "χ²",
-            (italic("p"),),
-            (italic("W"),),
-            "Interval",
-            "Significant pairs",
-            "Same verdict",
-        ),
-        rows=tuple(
-            (
-                f"{titled(row['name'])}, {row['choice']}",
-                str(row["participants"]),
-                number(row["chi_squared"]),
-                p_cell(row["p"]),
-                bounded(row["kendalls_w"]),
-                interval(row["kendalls_w_interval"]),
-                str(row["significant_pairs"]),
-                row["not_computed_because"] or ("yes" if row["same_verdict"] else (bold("no"),)),
-            )
-            for row in rows
-        ),
-        note="Same verdict: whether test and pairs are as significant as the declared ones.",
-    )
+    return (_table(rows, ""),)
 
 
 def _is_rows(entries: list[dict[str, Any]]) -> bool:
-    """Tell whether all are plain values; what was not computed has a heading, unless it is but a choice."""
-    failed = any(entry.get("not_computed_because") and "choice" not in entry for entry in entries)
+    """Tell whether all are plain values; what was not computed has a heading."""
+    failed = any(entry.get("not_computed_because") for entry in entries)
     return not failed and all(map(_is_flat, entries))
 
 
@@ -158,10 +126,6 @@ def _model(entry: Mapping[str, Any]) -> Iterator[Block]:
         f"Formula: {fit['formula']}.",
         kind="note",
     )
-    if fit["is_singular"]:
-        yield Paragraph(
-            words="Participants do not differ beyond chance: the fit is singular.", kind="warning"
-        )
     yield from (
         Paragraph(words=f"{sentence(str(note))}.".replace("..", "."), kind="warning") for note in fit["notes"]
     )

@@ -1,74 +1,36 @@
-"""Every declared test and correlation, and enjoyment."""
+"""Every declared test and correlation, heart rate by condition, and enjoyment."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from studykit.reports.document import Block, Paragraph, Piece, Section, Table, Words, bold, italic, listed
-from studykit.reports.naming import condition, outcome, sentence, titled, unit, with_unit
-from studykit.reports.numbers import bounded, decimals_for, interval, limits, number, p_cell, p_value, percent
+from studykit.reports.document import Block, Paragraph, Piece, Section, Table, bold, italic, listed
+from studykit.reports.naming import condition, outcome, place, sentence, titled, unit, with_unit
+from studykit.reports.numbers import (
+    bounded,
+    decimals_for,
+    interval,
+    limits,
+    number,
+    p_cell,
+    p_value,
+    percent,
+    times,
+)
 
 if TYPE_CHECKING:
     from studykit.reports.material import Material
 
+_RANK_BISERIAL_INTERVAL = (
+    "Interval of the rank-biserial correlation: Fisher’s z with the jackknife over people; where all differ "
+    "the same way, from Clopper and Pearson’s limit, which is cautious."
+)
 _ENJOYMENT = {
     "total": "Total",
     "percent_of_maximum": "Percent of the highest total",
     "percent_of_range": "Percent of the range from lowest to highest total",
     "item_mean": "Mean of the items (1 to 7)",
 }
-
-
-def at_a_glance(results: dict[str, Any]) -> tuple[Block, ...]:
-    """Give every declared result in one table, for the first page."""
-    rows: list[tuple[Words, ...]] = []
-    for test in results["tests"]:
-        about = f"{titled(test['name'])}: {outcome(test['outcome'])}"
-        found = test["friedman"]
-        if found is None:
-            rows.append((about, "not computed", "", "", "", str(test["participants"])))
-            continue
-        rows.append(
-            (
-                about,
-                f"χ²({found['degrees_of_freedom']}) = {number(found['chi_squared'])}",
-                p_cell(_p_of(test)),
-                (italic("W"), f" = {bounded(found['kendalls_w'])}"),
-                interval(test["kendalls_w_interval"]),
-                str(found["n"]),
-            )
-        )
-    for result in results["correlations"]:
-        about = f"{titled(result['name'])}: {outcome(result['y'])}"
-        found = result["pooled" if result["method"] == "pearson" else "repeated_measures"]
-        if found is None:
-            rows.append((about, "not computed", "", "", "", ""))
-            continue
-        statistic = f"r({found['degrees_of_freedom']}) = {bounded(found['r'])}"
-        people = found["participants"] or f"{found['n']} trials"
-        effect: Words = (italic("r"), f" = {bounded(found['r'])}")
-        rows.append((about, statistic, p_cell(found["p"]), effect, interval(found["interval"]), str(people)))
-    if not rows:
-        return (Paragraph(words="The protocol declares no test."),)
-    table = Table(
-        title="The declared tests and correlations at a glance.",
-        head=("Result", "Statistic", (italic("p"),), "Effect", _covering(results), (italic("n"),)),
-        rows=tuple(rows),
-        text_columns=frozenset({1, 3}),
-        note="W: Kendall’s coefficient of concordance, 0 (people rank the conditions at random) to 1 (all "
-        "rank "
-        "them alike). r: correlation within people, unless called pooled. n: participants.",
-    )
-    return (table,)
-
-
-def _covering(results: dict[str, Any]) -> str:
-    return f"{percent(1.0 - results['alpha'], 0)} interval"
-
-
-def _p_of(test: dict[str, Any]) -> float | None:
-    value = test.get("p")
-    return float(value if value is not None else test["friedman"]["p"])
 
 
 def declared_tests(results: dict[str, Any]) -> Section:
@@ -114,7 +76,7 @@ def _omnibus(test: dict[str, Any], found: dict[str, Any]) -> Paragraph:
         ]  # fmt: skip
     if found.get("permutation_p") is not None:
         ends = found.get("permutation_p_interval")
-        within = f", between {p_cell(ends[0])} and {p_cell(ends[1])}" if ends else ""
+        within = f", between {p_cell(ends[0])} and {p_cell(ends[1])}" if ends and ends[1] >= 0.001 else ""
         method = found.get("permutation_method", "permutation")
         words += ["; ", italic("p"), f" {p_value(found['permutation_p'])} ({method}{within})"]
     words += [
@@ -123,8 +85,11 @@ def _omnibus(test: dict[str, Any], found: dict[str, Any]) -> Paragraph:
         italic("n"), f" = {found['n']}. ",
     ]  # fmt: skip
     words.append(_declared_kind(test))
-    verdict = "differ" if test["is_significant"] else "do not differ"
-    words.append(bold(f"The conditions {verdict} significantly."))
+    words.append(
+        bold("The conditions differ significantly.")
+        if test["is_significant"]
+        else bold("No significant difference was found, which does not show that the conditions are alike.")
+    )
     return Paragraph(words=tuple(words), kind="result")
 
 
@@ -154,7 +119,7 @@ def _summaries(test: dict[str, Any]) -> Table:
                 f"{number(row['lower_quartile'], places)} to {number(row['upper_quartile'], places)}",
                 number(row["mean_rank"]),
             )
-            for row in test["summaries"]
+            for row in sorted(test["summaries"], key=lambda row: place(row["condition"]))
         ),
         note="SD: standard deviation over participants. Mean rank: 1 for each person’s lowest value.",
     )
@@ -191,7 +156,8 @@ def _pairs(test: dict[str, Any], alpha: float) -> Table:
             )
         )
     variants = listed(sorted({pair["variant"] for pair in test["pairs"]}))
-    methods = listed(sorted({shift["method"] for shift in shifts if shift}))
+    # The longest says all that the others say, and what holds with ties besides.
+    methods = max((shift["method"] for shift in shifts if shift), key=len, default="")
     shifted = f" Shift: {methods}." if methods else ""
     return Table(
         title=f"Pairs of conditions by Wilcoxon’s signed-rank test; p corrected: "
@@ -212,25 +178,26 @@ def _pairs(test: dict[str, Any], alpha: float) -> Table:
         note=f"{sentence(variants)}. Bold: below {bounded(alpha)}. W+ and W−: sums of the ranks of positive "
         "and "
         "negative differences. Rank-biserial: (W+ − W−) / (W+ + W−), from −1 to 1."
-        f"{shifted}",
+        f"{shifted} {_RANK_BISERIAL_INTERVAL}",
     )
 
 
 def _variants(test: dict[str, Any]) -> Table:
     names = list(test["pairs"][0]["p_by_variant"])
     return Table(
-        title="Uncorrected p of the same pairs, tested in other ways.",
-        head=("First − second", *map(_briefly, names)),
+        title="The same pairs in other ways: uncorrected p, and the Bayes factor for a difference.",
+        head=("First − second", *map(_briefly, names), "BF₁₀"),
         rows=tuple(
             (
                 f"{condition(pair['a'])} − {condition(pair['b'])}",
                 *(p_cell(pair["p_by_variant"][name]) for name in names),
+                times(pair.get("bayes_factor_10")),
             )
             for pair in test["pairs"]
         ),
         note="Exact: over all signs of the ranks. Normal: by the normal approximation, corrected for ties. "
-        "Pratt: "
-        "people without a difference are ranked, then dropped.",
+        "Pratt: people without a difference are ranked, then dropped. BF₁₀: how many times better a "
+        "difference of means explains the data than none (paired, Cauchy prior of scale 0.707).",
     )
 
 
@@ -319,12 +286,19 @@ def _correlation(result: dict[str, Any]) -> Section:
             )
             for one in (within, pooled)
         ),
-        note=f"x takes {result['distinct_x']} different values. {left_out(result['exclusions'])}",
+        note=left_out(result["exclusions"]),
+    )
+    few = Paragraph(
+        words=f"{sentence(across)} takes only {result['distinct_x']} different values, no "
+        "more than there are conditions: this correlation tells conditions apart, and not what else differs "
+        "between their dances.",
+        kind="note",
     )
     warning = Paragraph(
         words=(bold(f"{sentence(pooled['method'])}: "), pooled["warning"] or ""), kind="warning"
     )
-    return Section(title=title, blocks=(table, warning))
+    is_by_dance = result["distinct_x"] <= len(result["conditions"])
+    return Section(title=title, blocks=(table, *([few] if is_by_dance else []), warning))
 
 
 def by_condition(material: Material) -> Section:
@@ -332,7 +306,7 @@ def by_condition(material: Material) -> Section:
     table = material.trials[material.trials["is_valid"].astype(bool)]
     protocol = material.protocol
     rows = []
-    for name in sorted(protocol.conditions_list()):
+    for name in sorted(protocol.conditions_list(), key=place):
         some = table[table["condition"] == name]
         mean = some["heart_rate_mean_bpm"].dropna()
         rows.append(
@@ -341,6 +315,7 @@ def by_condition(material: Material) -> Section:
                 str(len(mean)),
                 number(float(mean.mean()) if len(mean) else None, 1),
                 number(float(mean.std(ddof=1)) if len(mean) > 1 else None, 1),
+                limits(_interval_of_mean(mean), 1),
                 number(_mean(some["heart_rate_peak_bpm"]), 1),
                 percent(_mean(some["vigorous_fraction"]), 2),
             )
@@ -357,8 +332,9 @@ def by_condition(material: Material) -> Section:
                     (italic("n"),),
                     "Mean (beats/min)",
                     "SD (beats/min)",
+                    "95 % interval of the mean",
                     "Mean peak (beats/min)",
-                    "Time at vigorous intensity",
+                    "Mean time at vigorous intensity",
                 ),
                 rows=tuple(rows),
                 note=f"Vigorous: at or above {percent(protocol.heart_rate.vigorous_fraction, 0)} of the "
@@ -367,6 +343,16 @@ def by_condition(material: Material) -> Section:
             ),
         ),
     )
+
+
+def _interval_of_mean(values: Any) -> tuple[float, float] | None:
+    """Give Student's 95 % interval of a mean."""
+    from scipy.stats import t
+
+    if len(values) < 2:
+        return None
+    reach = float(t.ppf(0.975, len(values) - 1) * values.std(ddof=1) / len(values) ** 0.5)
+    return float(values.mean()) - reach, float(values.mean()) + reach
 
 
 def _mean(values: Any) -> float | None:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from studykit.analysis.planned.comparison import compare
-from studykit.analysis.sensitivity import DECLARED, sensitivity
+from studykit.analysis.sensitivity import DECLARED, RESERVE, sensitivity, vigorous_times, without_effect
 from studykit.protocol.analysis_plan import AnalysisPlan
 
 ON = ("light-easy-on", "light-hard-on", "intense-easy-on", "intense-hard-on")
@@ -73,6 +73,9 @@ def test_a_verdict_that_turns_is_seen_even_where_only_its_direction_does() -> No
     swapped["condition"] = swapped["condition"].map(names)
     lost = declared.assign(heart_rate_mean_bpm=np.tile(np.arange(48.0).reshape(4, 12).T.ravel() % 5, 1))
     rows = sensitivity(PLAN, declared, {"swapped": swapped, "lost": lost})
+    turned = {row.choice: row.other_verdicts for row in rows if row.name == "pulse"}
+    assert turned[DECLARED] == ()
+    assert turned["swapped"] == (f"{ON[0]} - {ON[1]}", f"{ON[2]} - {ON[3]}")
     verdicts = {row.choice: row.same_verdict for row in rows if row.name == "pulse"}
     assert verdicts == {DECLARED: True, "swapped": False, "lost": False}
     assert {row.significant_pairs for row in rows if row.choice == "swapped" and row.name == "pulse"} == {2}
@@ -84,3 +87,26 @@ def test_what_cannot_be_made_says_why() -> None:
     row = sensitivity(PLAN, declared, {"belt lost": nobody})[1]
     assert (row.chi_squared, row.p, row.same_verdict) == (None, None, None)
     assert "nobody has a value" in str(row.not_computed_because)
+
+
+def test_a_choice_that_changes_nothing_is_named_all_the_same() -> None:
+    declared = trials()
+    longer = declared.assign(heart_rate_mean_bpm=declared["heart_rate_mean_bpm"] + 0.5)
+    others = {"longer window": longer, "as it is": declared}
+    assert without_effect(sensitivity(PLAN, declared, others), others) == ("as it is",)
+
+
+def test_vigorous_time_is_told_under_each_choice_that_changes_it() -> None:
+    declared = trials().assign(
+        session="01", repetition=1, vigorous_fraction=0.25, vigorous_fraction_reserve=0.5
+    )
+    declared.loc[declared["condition"] == ON[0], "vigorous_fraction"] = np.nan
+    longer = declared.assign(vigorous_fraction=0.75)
+    rows = vigorous_times(ON, declared, {"longer window": longer, "as it is": declared})
+    assert {(row.choice, row.mean) for row in rows} == {
+        (DECLARED, 0.25),
+        (RESERVE, 0.5),
+        ("longer window", 0.75),
+    }
+    assert [row.condition for row in rows if row.choice == DECLARED] == list(ON[1:])
+    assert {row.n for row in rows} == {12}

@@ -27,7 +27,10 @@ from studykit.reports.analyse import analyse, enjoyment_of
 from studykit.reports.document import Document, Figure, Flow, Paragraph, Section, Stage, Table, bold, italic
 from studykit.reports.draw import DRAWINGS
 from studykit.reports.material import Material
+from studykit.reports.naming import titled
 from studykit.reports.report import composed, drawn, read_trials, report
+from studykit.reports.sections.glance import at_a_glance
+from studykit.reports.sections.sensitivity import sensitivity
 from studykit.reports.trials import paces
 
 HOSTILE = '<script>alert("1")</script> #panic("no") $x$ \\ _a_ *b* [c] "d"'
@@ -248,6 +251,43 @@ def test_every_declared_result_stands_in_the_report(analysed: Callable[..., str]
     assert "xact permutation distribution, ties kept; zeros dropped; two-sided" in words
     assert "p corrected: Holm" in words
     assert words.count("Period, sequence and carry-over") == 3
+
+
+def test_the_first_table_names_every_declared_result(untouched: tuple[Material, dict[str, Any]]) -> None:
+    _, results = untouched
+    (table,) = at_a_glance(results)
+    assert isinstance(table, Table)
+    first = [str(row[0]) for row in table.rows]
+    kinds = ("tests", "correlations", "models", "equivalences", "curves")
+    names = [str(one["name"]) for kind in kinds for one in results[kind]]
+    assert names
+    for name in names:
+        assert any(words.startswith(titled(name)) for words in first), name
+    sized = copy.deepcopy(results)
+    sized["equivalences"] = [
+        {
+            "name": "alike", "outcome": "heart_rate_mean_bpm", "a": "light-easy-on", "b": "light-easy-off",
+            "low": -5.0, "high": 5.0, "not_computed_because": None,
+            "found": {"n": 9, "by_t": {"estimate": 0.5, "interval": [-1.0, 2.0], "p": 0.01,
+                                       "is_equivalent": True}},
+        }
+    ]  # fmt: skip
+    sized |= {"tests": [], "correlations": [], "models": [], "curves": []}
+    (alike,) = at_a_glance(sized)
+    assert isinstance(alike, Table)
+    assert alike.rows[0][4] == "90 %: [−1.00, 2.00]"
+
+
+def test_what_was_tried_without_effect_is_told(untouched: tuple[Material, dict[str, Any]]) -> None:
+    _, results = untouched
+    changed = copy.deepcopy(results)
+    changed["choices_without_effect"] = ["another window"]
+    changed["sensitivity"][0] |= {"same_verdict": False, "other_verdicts": ["light-easy-on - light-hard-on"]}
+    (table, *_) = [block for block in sensitivity(changed).blocks if isinstance(block, Table)]
+    assert table.rows[0][7][0] == bold("no: Light – Easy, on − Light – Hard, on")
+    said = [block.words for block in sensitivity(changed).blocks if isinstance(block, Paragraph)]
+    assert any("without changing any value of a declared test: another window" in str(one) for one in said)
+    assert sensitivity({}).blocks == ()
 
 
 def test_enjoyment_is_that_of_the_answers(analysed: Callable[..., str], folder: StudyFolder) -> None:
