@@ -43,12 +43,12 @@ def finding(
     )
 
 
-def p_text(p: float) -> str:
+def p_digits(p: float) -> str:
     """Write a p with two digits that count.
 
     Examples
     --------
-    >>> p_text(0.0494), p_text(0.00977), p_text(1.4e-6)
+    >>> p_digits(0.0494), p_digits(0.00977), p_digits(1.4e-6)
     ('.049', '.0098', '1.4e-06')
     """
     return f"{p:.{3 if p >= 0.01 else 4}f}".removeprefix("0") if p >= 0.001 else f"{p:.2g}"

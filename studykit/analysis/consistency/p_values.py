@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from studykit.analysis.consistency.claims import Claim, Printed
-from studykit.analysis.consistency.finding import Finding, finding, p_text, printed_p, shown, span
+from studykit.analysis.consistency.finding import Finding, finding, p_digits, printed_p, shown, span
 from studykit.core.arrays import Floats, Integers
 from studykit.core.errors import InputError
 
@@ -27,7 +27,7 @@ def _p_finding(claim: Claim, statistic: str, ends: tuple[float, float]) -> Findi
         claim,
         (low, high),
         is_consistent=is_consistent,
-        words=f"{statistic} gives p = {span(low, high, p_text)}, {verdict}",
+        words=f"{statistic} gives p = {span(low, high, p_digits)}, {verdict}",
     )
 
 
@@ -138,8 +138,8 @@ def _points_for(claim: Claim, near: float, far: float) -> Finding:
         words = f"{told} with p {p.relation} {shown(p).removeprefix('0')} needs {fits[0]} {most} points"
         return finding("r", claim, (float(fits[0]), float(fits[-1])), is_consistent=True, words=words)
     above = max(1, int(np.argmax(low < p.value)))
-    beside = ", ".join(f"n = {n[i]} gives {p_text((low[i] + high[i]) / 2)}" for i in (above - 1, above))
-    words = f"{told} gives p = {p_text(p.value)} with no number of points: {beside}"
+    beside = ", ".join(f"n = {n[i]} gives {p_digits((low[i] + high[i]) / 2)}" for i in (above - 1, above))
+    words = f"{told} gives p = {p_digits(p.value)} with no number of points: {beside}"
     return finding("r", claim, (), is_consistent=False, words=words)
 
 

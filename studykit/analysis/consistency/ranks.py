@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from studykit.analysis.consistency import attainable
 from studykit.analysis.consistency.claims import Claim, Printed
-from studykit.analysis.consistency.finding import Finding, finding, p_text, printed_p, shown, span
+from studykit.analysis.consistency.finding import Finding, finding, p_digits, printed_p, shown, span
 from studykit.analysis.consistency.p_values import degrees, sides
 from studykit.core.errors import InputError
 
@@ -109,7 +109,7 @@ def _signed_ranks_p(claim: Claim, n: int, v: float) -> Finding:
     p = claim.numbers["p"]
     found = {way: halves * value for way, value in readings.items()}
     fitting = [way for way, value in found.items() if p.allows(value, value)]
-    told = ", ".join(f"{way} {p_text(value)}" for way, value in found.items())
+    told = ", ".join(f"{way} {p_digits(value)}" for way, value in found.items())
     verdict = f"fits ({', '.join(fitting)})" if fitting else "fits none"
     return finding(
         "p against signed ranks",
@@ -134,11 +134,11 @@ def smallest_p(claim: Claim) -> Iterator[Finding]:
         against = (
             attainable.most_against(n, 2.0 * p.value / (pairs * sides(claim))) if n <= _MOST_EXACT else None
         )
-        words = f"the smallest p that {n} people can give is {p_text(step)}"
+        words = f"the smallest p that {n} people can give is {p_digits(step)}"
         if is_consistent and against is not None:
             words += f"; at most {against} of {n} may differ the other way"
     else:
         multiple = max(1.0, math.ceil(p.low / step - 1e-9)) * step
         is_consistent = multiple <= max(p.high, 0.0) + 1e-12 or p.relation in ">≥"
-        words = f"p of {n} people comes in steps of {p_text(step)}"
+        words = f"p of {n} people comes in steps of {p_digits(step)}"
     yield finding("smallest p", claim, (step, 1.0), is_consistent=is_consistent, words=words)
