@@ -19,7 +19,8 @@ _CORRECTED = {
 
 
 _METHODS = {
-    "mixed_model": "mixed model with a level a participant, period and carry-over",
+    "mixed_model": "mixed model with a level a participant, period and carry-over; standard errors robust to "
+    "participants who respond differently",
     "aligned_ranks": "aligned rank transform",
 }
 
