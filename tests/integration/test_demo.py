@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pandas as pd
@@ -14,6 +15,7 @@ from studykit.analysis.tables import TRIALS, check
 from studykit.cli import main
 from studykit.io.protocol_file import default_protocol
 from studykit.library import make_sample, read_dances, store
+from studykit.reports.draw import DRAWINGS
 
 PEOPLE = 4
 
@@ -41,14 +43,27 @@ def protocol(folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def studies(folder: Path, protocol: Path) -> tuple[Path, Path]:
+def library(folder: Path) -> Path:
+    make_sample(folder / "library")
+    return folder / "library"
+
+
+@pytest.fixture(
+    scope="module",
+    params=[("6", "7", "8"), pytest.param(None, marks=pytest.mark.slow)],
+    ids=["three figures", "every figure"],
+)
+def studies(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, library: Path, protocol: Path
+) -> tuple[Path, Path]:
     """The same demo, run twice."""
-    library = folder / "library"
-    make_sample(library)
-    outs = folder / "one", folder / "two"
-    for out in outs:
-        run("demo", "--library", library, "--protocol", protocol, "--seed", 3, "--out", out)
-    return outs
+    folder = tmp_path_factory.mktemp("studies")
+    some = tuple(one for one in DRAWINGS if request.param is None or one.name in request.param)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(import_module("studykit.reports.report"), "DRAWINGS", some)
+        for out in (folder / "one", folder / "two"):
+            run("demo", "--library", library, "--protocol", protocol, "--seed", 3, "--out", out)
+    return folder / "one", folder / "two"
 
 
 def run(*words: object) -> None:
@@ -101,9 +116,8 @@ def test_the_declared_results_figures_and_report_are_there(studies: tuple[Path, 
 
 
 def test_the_yield_of_every_take_and_the_segments_of_every_dance_are_printed(
-    studies: tuple[Path, Path], folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    library: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    library = folder / "library"
     run("library", "info", library, "--takes")
     said = capsys.readouterr().out
     takes = pd.read_csv(store.index_folder(library) / store.TAKES)
@@ -130,13 +144,12 @@ def test_twenty_people_would_stay_below_200_megabytes(studies: tuple[Path, Path]
 
 @pytest.mark.slow
 def test_a_second_run_adds_nothing_to_what_was_recorded_and_says_what_is_there(
-    studies: tuple[Path, Path], folder: Path, protocol: Path, capsys: pytest.CaptureFixture[str]
+    studies: tuple[Path, Path], library: Path, protocol: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = studies[1]
     before = {name: path.stat().st_mtime_ns for name, path in files(study / "sourcedata")}
     for step in ("analyse", "figures", "report"):
         run(step, study)
-    library = folder / "library"
     run("demo", "--library", library, "--protocol", protocol, "--seed", 3, "--out", study)
     said = capsys.readouterr()
     for words in ("SIMULATED", "SYNTHETIC", str(study / "derivatives"), "studykit library build", "8 of 8"):
