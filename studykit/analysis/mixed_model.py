@@ -29,7 +29,7 @@ SINGULAR = (
     "participants do not differ beyond what their trials do: the variance between them is estimated as zero"
 )
 BETWEEN = "; {} lies between participants and is tested by the variance between them (Wald F, Satterthwaite)"
-UNSURE = "too few participants, or too much alike, to tell how uncertain these are, so they are left out: {}"
+UNSURE = "the participants are too few, or too much alike, to tell how uncertain these are, left out: {}"
 
 # How many of the numbers left out are named.
 _FEW = 6
@@ -309,7 +309,7 @@ def fitted(
     coefficients = [one for place, axis in axes for one in judges[place].coefficient(names[place], axis)]
     if len(coefficients) < min(2, len(kept)):  # the intercept alone tells nothing that was asked
         raise InputError(
-            "too few participants, or too much alike, to tell how uncertain anything is",
+            "the participants are too few, or too much alike, to tell how uncertain anything is",
             where=outcome,
             remedy="give more participants, or fewer terms",
         )

@@ -261,7 +261,7 @@ def test_data_that_cannot_be_modelled_are_refused_in_words(change: dict[str, obj
 def test_what_too_few_participants_cannot_tell_is_left_out_in_words() -> None:
     # Three people, eight conditions and eight periods: each of them decides some part of it alone.
     trials = study(np.random.default_rng(12), people=3, labels=LABELS)
-    with pytest.raises(InputError, match="too few participants, or too much alike"):
+    with pytest.raises(InputError, match="participants are too few, or too much alike"):
         mixed_model(trials, "value", factors=["condition"], with_carry_over=False)
     # Five people can tell two conditions apart, but not test seven contrasts at once.
     trials = study(np.random.default_rng(12), people=5, labels=LABELS)
@@ -269,7 +269,7 @@ def test_what_too_few_participants_cannot_tell_is_left_out_in_words() -> None:
     model = mixed_model(trials, "value", factors=["intensity"], with_carry_over=False)
     assert [found.name for found in model.terms] == ["intensity"]
     assert len(model.differences) == 1
-    assert model.notes[-1].endswith("so they are left out: period")
+    assert model.notes[-1].endswith("left out: period")
 
 
 def test_people_who_all_respond_exactly_alike_leave_no_test() -> None:
