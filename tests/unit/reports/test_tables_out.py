@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from shutil import copytree
 
 import pandas as pd
 import pytest
@@ -26,10 +27,8 @@ TABLE = PaperTable(
 
 
 @pytest.fixture(scope="module")
-def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    from shutil import copytree
-
-    study = copytree(request.getfixturevalue("_recorded"), tmp_path_factory.mktemp("tables") / "small")
+def written(_recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    study = Path(copytree(_recorded, tmp_path_factory.mktemp("tables") / "small"))
     draw(study, only=["2"], with_tables=True)
     return StudyFolder(study).derivatives / "tables"
 
