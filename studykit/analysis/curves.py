@@ -208,7 +208,7 @@ def _grid(values: Floats, times_s: Floats) -> _Grid:
     used = np.all(np.isfinite(values), axis=(0, 1))
     if len(values) < 2:
         raise InputError(
-            f"curves of {len(values)} participants cannot be compared",
+            f"at least two people with all curves are needed, not {len(values)}",
             where="curves",
             remedy="give two or more",
         )

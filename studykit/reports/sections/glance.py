@@ -37,6 +37,8 @@ def at_a_glance(results: dict[str, Any]) -> tuple[Block, ...]:
     )
     if not rows:
         return (Paragraph(words="The protocol declares no result."),)
+    is_starred = any(str(row[0]).endswith(" *") for row in rows)
+    starred = " *: to be read with the warning in section Models." if is_starred else ""
     table = Table(
         title="Every result that the protocol declares.",
         head=(
@@ -48,7 +50,7 @@ def at_a_glance(results: dict[str, Any]) -> tuple[Block, ...]:
         note="W: Kendall’s coefficient of concordance, 0 (people rank the conditions at random) to 1 (all "
         "rank them alike). r: correlation within people, unless called pooled. η²: partial. n: participants. "
         "Interactions of factors, period and carry-over: section Models. Each p stands for itself; within a "
-        "test, pairs are corrected for their number.",
+        f"test, pairs are corrected for their number.{starred}",
     )  # fmt: skip
     return (table,)
 
@@ -109,6 +111,7 @@ def _model(model: dict[str, Any]) -> Iterator[_Row]:
                 name = f"{about}: {effect['effect']}"
                 yield (name, statistic, p_cell(effect["p"]), share, "–", str(effect["n"]))
         return
+    star = " *" if fit.get("notes") else ""
     for term in fit["terms"]:
         if term["name"] not in model["factors"]:
             continue
@@ -116,7 +119,7 @@ def _model(model: dict[str, Any]) -> Iterator[_Row]:
         statistic = f"F({_df(term['numerator_df'])}, {_df(term['denominator_df'])}) = {number(term['f'])}"
         effect, ends = ("–", "–") if len(levels) != 1 else _difference(levels[0], model["outcome"])
         people = str(fit["participants"])
-        yield (f"{about}: {term['name']}", statistic, p_cell(term["p"]), effect, ends, people)
+        yield (f"{about}: {term['name']}{star}", statistic, p_cell(term["p"]), effect, ends, people)
 
 
 def _difference(row: dict[str, Any], column: str) -> tuple[str, str]:

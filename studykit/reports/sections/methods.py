@@ -25,6 +25,10 @@ _METHODS = {
 }
 
 
+_MAXIMA = {"tanaka": "208 − 0.7 × age, Tanaka et al. 2001", "fox": "220 − age, Fox et al. 1971"}
+_WINDOWS = {"perform": "", "perform+30": " and in the 30 s after"}
+
+
 def methods(material: Material, results: dict[str, Any], agreeing: int) -> Section:
     """Write the methods from the protocol, the dances and the versions used.
 
@@ -63,8 +67,9 @@ def methods(material: Material, results: dict[str, Any], agreeing: int) -> Secti
         "silences "
         f"of the belt longer than {number(protocol.heart_rate.longest_gap_s, 0)} s count for nothing. "
         "Intensity is "
-        f"vigorous at or above {percent(protocol.heart_rate.vigorous_fraction, 0)} of the maximum predicted "
-        "from age."
+        f"vigorous at or above {percent(protocol.heart_rate.vigorous_fraction, 0)} of the "
+        f"maximum predicted from age ({_MAXIMA[protocol.heart_rate.maximum]}). The heart rate counts while "
+        f"the dance is performed{_WINDOWS[protocol.heart_rate.window]}."
     )
     return Section(
         title="Methods",
@@ -190,6 +195,7 @@ def _provenance(material: Material, results: dict[str, Any]) -> Table:
         ("Dance library (SHA-256)", listed(sorted({dance.library_sha256 for dance in shown}))),
         ("Licences of the movement", listed(sorted({s.licence for dance in shown for s in dance.segments}))),
         ("Seed of the order", str(material.protocol.study.seed)),
+        ("Seed of permutations and bootstrap", "0, with the name of the test"),
         ("Seeds of the dances", listed([str(seed) for seed in sorted({dance.seed for dance in shown})])),
         ("Versions", ", ".join(f"{name} {version}" for name, version in found["versions"].items())),
     ]

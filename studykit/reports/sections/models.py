@@ -9,7 +9,7 @@ from typing import Any
 
 from studykit.reports.document import Block, Paragraph, Section, Table, Words, italic, listed
 from studykit.reports.naming import condition, outcome, sentence, titled, unit, with_unit
-from studykit.reports.numbers import anything, number, p_cell, p_value
+from studykit.reports.numbers import anything, number, p_cell, p_value, percent
 
 _SYMBOLS: dict[str, Words] = {
     "p": (italic("p"),), "f": (italic("F"),), "t": (italic("t"),), "f_p": (italic("p"), " of F"),
@@ -38,8 +38,8 @@ _OPENINGS = {
     "factorials": "Each factor’s effect after aligned ranks.",
     "curves": "Where two conditions differ over time: stretches (clusters) that chance seldom "
     "makes so large, found by permuting whose curve is whose.",
-    "equivalences": "Whether conditions are the same within limits named before the study: two one- "
-    "sided tests, one against each limit.",
+    "equivalences": "Whether conditions are the same within limits named before the study: two "
+    "one-sided tests, one against each limit.",
     "bayes_factors": "How much better a difference explains the data than none.",
 }
 _KNOWN = frozenset(
@@ -176,7 +176,8 @@ def _equivalence(entry: Mapping[str, Any]) -> Iterator[Block]:
         table,
         note=f"{found['n']} participants. p low, p high: against a difference at the lower and at the upper "
         "limit; "
-        f"p: the larger of them. {methods}.",
+        f"p: the larger of them. Interval: {percent(1.0 - 2.0 * found['alpha'], 0)}, as both tests together "
+        f"need. {methods}.",
     )
 
 

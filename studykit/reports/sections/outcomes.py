@@ -56,6 +56,9 @@ def _test(test: dict[str, Any], alpha: float) -> Section:
     found = test["friedman"]
     if found is None:
         problem = Paragraph(words=f"Not computed: {test['not_computed_because']}.", kind="warning")
+        used = Paragraph(
+            words=left_out(test["exclusions"]).replace("were used", "have a value", 1), kind="note"
+        )
         return Section(title=title, blocks=(problem, used))
     blocks: list[Block] = [_omnibus(test, found), _summaries(test)]
     if test["pairs"]:

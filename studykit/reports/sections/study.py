@@ -12,6 +12,10 @@ from studykit.reports.naming import condition
 from studykit.reports.numbers import number
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import pandas as pd
+
     from studykit.protocol.study_protocol import StudyProtocol
     from studykit.reports.material import Material
 
@@ -36,7 +40,7 @@ def study(material: Material, results: dict[str, Any]) -> Section:
                 blocks=(flow(material, results), _people(material), _by_sequence(material)),
             ),
             Section(title="A visit", blocks=(_phases(material.protocol),)),
-            _order(material.protocol),
+            _order(material.protocol, material.trials),
         ),
     )
 
@@ -54,16 +58,19 @@ def flow(material: Material, results: dict[str, Any]) -> Flow:
     unfinished = sorted(came - completed)
     stages = [
         Stage(
-            count=str(planned), text="participants planned", lost=_lost(planned - len(came), "did not come")
+            count=str(planned),
+            text=f"{_participants(planned)} planned",
+            lost=_lost(planned - len(came), "did not come"),
         ),
         Stage(
             count=str(len(came)),
-            text="participants came",
+            text=f"{_participants(len(came))} came",
             lost=(f"{len(unfinished)} did not finish: {', '.join(unfinished)}",) if unfinished else (),
         ),
         Stage(
             count=str(len(completed)),
-            text=f"participants finished; {len(came) * each} trials were due ({each} a participant who came)",
+            text=f"{_participants(len(completed))} finished; {len(came) * each} trials were due "
+            f"({each} a participant who came)",
             lost=_lost(len(came) * each - danced, "trials were not danced"),
         ),
         Stage(
@@ -75,6 +82,10 @@ def flow(material: Material, results: dict[str, Any]) -> Flow:
         Stage(count=str(len(results["tests"])), text=f"declared tests, {_compared(results)}"),
     ]
     return Flow(title="Flow of participants and trials, after CONSORT.", stages=tuple(stages))
+
+
+def _participants(count: int) -> str:
+    return "participant" if count == 1 else "participants"
 
 
 def _lost(count: int, words: str) -> tuple[str, ...]:
@@ -134,6 +145,7 @@ def _by_sequence(material: Material) -> Table:
                 number(float(np.mean(ages)) if ages else None, 1),
                 str(sexes.count("F")),
                 str(sexes.count("M")),
+                str(len(sexes) - sexes.count("F") - sexes.count("M")),
                 number(float(resting.mean()) if len(resting) else None, 1),
             )
         )
@@ -145,7 +157,8 @@ def _by_sequence(material: Material) -> Table:
             "Mean age (years)",
             "Female",
             "Male",
-            "Resting heart rate (beats/min)",
+            "Other or not told",
+            "Mean resting heart rate (beats/min)",
         ),
         rows=tuple(rows),
     )
@@ -174,12 +187,12 @@ def _phases(protocol: StudyProtocol) -> Table:
     )
 
 
-def _order(protocol: StudyProtocol) -> Section:
+def _order(protocol: StudyProtocol, table: pd.DataFrame) -> Section:
     found = balance(assignment(protocol))
     names = [condition(name) for name in found.conditions]
     periods = found.position_counts.shape[1]
     positions = Table(
-        title="How many participants were given each condition in each period (first to last dance).",
+        title="The plan: how many participants are given each condition in each period, first to last.",
         head=("Condition", *(str(period) for period in range(1, periods + 1))),
         rows=tuple(
             (name, *map(str, counts))
@@ -187,7 +200,8 @@ def _order(protocol: StudyProtocol) -> Section:
         ),
     )
     carried = Table(
-        title="How many participants were given the condition of a column directly after that of a row.",
+        title="The plan: how many participants are given the condition of a column directly after that of a "
+        "row.",
         head=("After …", *(condition(name) for name in found.conditions)),
         rows=tuple(
             (name, *("–" if i == j else str(count) for j, count in enumerate(counts)))
@@ -200,7 +214,21 @@ def _order(protocol: StudyProtocol) -> Section:
         f"{protocol.order.design.capitalize()} square, in which every condition follows every other one "
         f"equally often; seed {protocol.study.seed}. {_judgement(found)}"
     )
-    return Section(title="Order and balance", blocks=(said, positions, carried))
+    return Section(
+        title="Order and balance",
+        blocks=(said, positions, carried, _danced(table, names, range(1, periods + 1))),
+    )
+
+
+def _danced(table: pd.DataFrame, names: Sequence[str], periods: range) -> Table:
+    """Count who danced what when, which need not be what was planned; conditions as `names` order them."""
+    valid = table[table["is_valid"].astype(bool)]
+    counts = valid.groupby([valid["condition"].map(condition), "period"])["participant"].nunique()
+    return Table(
+        title="What was danced: participants with a valid trial, by condition and period.",
+        head=("Condition", *map(str, periods)),
+        rows=tuple((name, *(str(counts.get((name, period), 0)) for period in periods)) for name in names),
+    )
 
 
 def _judgement(found: Any) -> str:

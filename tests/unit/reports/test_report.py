@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import copy
+import dataclasses
 import io
 import json
 import re
@@ -35,6 +36,7 @@ from studykit.reports.naming import titled
 from studykit.reports.report import composed, drawn, read_trials, report
 from studykit.reports.sections.glance import at_a_glance
 from studykit.reports.sections.sensitivity import sensitivity
+from studykit.reports.sections.study import study as what_was_done
 from studykit.reports.trials import paces
 
 HOSTILE = '<script>alert("1")</script> #panic("no") $x$ \\ _a_ *b* [c] "d"'
@@ -298,6 +300,45 @@ def test_the_first_table_names_every_declared_result(untouched: tuple[Material, 
     (alike,) = at_a_glance(sized)
     assert isinstance(alike, Table)
     assert alike.rows[0][4] == "90 %: [−1.00, 2.00]"
+
+
+def test_a_model_that_lacks_a_term_is_marked_in_the_first_table(
+    untouched: tuple[Material, dict[str, Any]],
+) -> None:
+    row = {"estimate": 1.5, "standard_error": 0.4, "interval": [0.7, 2.3]}
+    term = {"name": "variety", "f": 9.0, "numerator_df": 1, "denominator_df": 12.25, "p": 0.01}
+    fit = {
+        "terms": [term, term | {"name": "period"}],
+        "differences": [row | {"name": "variety: easy - hard"}],
+        "participants": 9,
+        "notes": ["a term is left out"],
+    }
+    model = {"name": "pulse", "outcome": "heart_rate_mean_bpm", "factors": ["variety"], "mixed_model": fit}
+    _, results = untouched
+    (table,) = at_a_glance(results | {"tests": [], "correlations": [], "models": [model], "curves": []})
+    assert isinstance(table, Table)
+    first = (
+        "Pulse: variety *",
+        "F(1, 12.2) = 9.00",
+        ".010",
+        "easy − hard = 1.50 beats/min",
+        "[0.70, 2.30]",
+        "9",
+    )
+    assert table.rows[0] == first
+    assert "*: to be read with the warning" in str(table.note)
+
+
+def test_the_plan_is_not_taken_for_what_was_danced(folder: StudyFolder) -> None:
+    material, results = found(folder)
+    table = material.trials.copy()
+    table.loc[table["participant"] == "01", "is_valid"] = False
+    section = what_was_done(dataclasses.replace(material, trials=table), results)
+    tables = [block for part in section.sections for block in part.blocks if isinstance(block, Table)]
+    (danced,) = [one for one in tables if str(one.title).startswith("What was danced")]
+    (plan,) = [one for one in tables if "in each period" in str(one.title)]
+    assert sum(int(str(cell)) for row in danced.rows for cell in row[1:]) == int(table["is_valid"].sum())
+    assert sum(int(str(cell)) for row in plan.rows for cell in row[1:]) == 8 * 3
 
 
 def test_what_was_tried_without_effect_is_told(untouched: tuple[Material, dict[str, Any]]) -> None:
