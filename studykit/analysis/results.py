@@ -121,7 +121,9 @@ class TestResult:
     kendalls_w_interval : tuple of float or None
         Plausible values of W (bootstrap over people).
     skillings_mack : SkillingsMack or None
-        The test that keeps people who lack a condition, where declared; None if it cannot be made.
+        The test that keeps people who lack a condition, where declared.
+    skillings_mack_not_computed_because : str or None
+        Why it could not be made, if so.
     summaries : tuple of ConditionSummary
     pairs : tuple of PairResult
     not_computed_because : str or None
@@ -138,6 +140,7 @@ class TestResult:
     is_significant: bool | None = None
     kendalls_w_interval: tuple[float, float] | None = None
     skillings_mack: SkillingsMack | None = None
+    skillings_mack_not_computed_because: str | None = None
     summaries: tuple[ConditionSummary, ...] = ()
     pairs: tuple[PairResult, ...] = ()
     not_computed_because: str | None = None

@@ -52,7 +52,7 @@ def compare(plan: TestPlan, trials: pd.DataFrame, alpha: float) -> TestResult:
     complete = values.dropna()
     exclusions = exclusions_of(trials, plan.conditions, values, complete)
     table = complete.to_numpy()
-    with_gaps = _with_gaps(plan, values)
+    with_gaps, without_gaps_because = _with_gaps(plan, values)
     problem = why_not_compared(values, table)
     if problem:
         return TestResult(
@@ -60,6 +60,7 @@ def compare(plan: TestPlan, trials: pd.DataFrame, alpha: float) -> TestResult:
             exclusions=exclusions,
             participants=len(table),
             skillings_mack=with_gaps,
+            skillings_mack_not_computed_because=without_gaps_because,
             not_computed_because=problem,
         )
     omnibus = friedman(table, rng=stream(0, "friedman", plan.name))
@@ -75,19 +76,20 @@ def compare(plan: TestPlan, trials: pd.DataFrame, alpha: float) -> TestResult:
             table, rng=stream(0, "kendalls_w_interval", plan.name), confidence=1.0 - alpha
         ),
         skillings_mack=with_gaps,
+        skillings_mack_not_computed_because=without_gaps_because,
         summaries=_summaries(plan.conditions, table, omnibus.mean_ranks),
         pairs=_pairs(plan, complete, alpha),
     )
 
 
-def _with_gaps(plan: TestPlan, values: pd.DataFrame) -> SkillingsMack | None:
-    """Test with the people who lack a condition; None where not declared, or where ranks say nothing."""
+def _with_gaps(plan: TestPlan, values: pd.DataFrame) -> tuple[SkillingsMack | None, str | None]:
+    """Test with the people who lack a condition, or say why not; neither where it is not declared."""
     if plan.missing is None:
-        return None
+        return None, None
     try:
-        return skillings_mack(values.to_numpy(), rng=stream(0, "skillings_mack", plan.name))
-    except ValueError:
-        return None
+        return skillings_mack(values.to_numpy(), rng=stream(0, "skillings_mack", plan.name)), None
+    except ValueError as problem:
+        return None, str(problem)
 
 
 def _declared_p(plan: TestPlan, found: Friedman) -> float:

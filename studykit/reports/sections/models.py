@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from studykit.reports.document import Block, Paragraph, Section, Table, Words, italic, listed
 from studykit.reports.naming import condition, outcome, sentence, titled, unit, with_unit
-from studykit.reports.numbers import anything, number, p_cell, p_value, percent
+from studykit.reports.numbers import anything, bounded, decimals_for, limits, number, p_cell, p_value, percent
 
 _SYMBOLS: dict[str, Words] = {
     "p": (italic("p"),), "f": (italic("F"),), "t": (italic("t"),), "f_p": (italic("p"), " of F"),
@@ -250,16 +251,32 @@ _WORDS: dict[str, Callable[[str], str]] = {
 }
 
 
-def _cell(key: str, value: Any) -> str:
+_NUMBERS: dict[str, Callable[[Any], str]] = {
+    **dict.fromkeys(("f", "t", "chi_squared"), number),
+    **dict.fromkeys(("degrees_of_freedom", "denominator_df"), partial(number, decimals=1)),
+    "partial_eta_squared": bounded,
+}
+
+
+def _cell(key: str, value: Any, places: int | None) -> str:
+    """Write one value; estimates and what goes with them have as many decimals as their errors deserve."""
+    if isinstance(value, str):
+        return _WORDS.get(key, str)(value)
     if key == "p" or key.endswith("_p") or key.startswith("p_"):
         return p_cell(value) if isinstance(value, int | float) else anything(value)
-    if isinstance(value, str) and key in _WORDS:
-        return _WORDS[key](value)
     if key == "df" and isinstance(value, list):
         return ", ".join(anything(one) for one in value)
-    if key in ("f", "t", "chi_squared"):
-        return number(value)
-    return anything(value)
+    if places is not None and key in ("estimate", "standard_error"):
+        return number(value, places)
+    if places is not None and key == "interval":
+        return limits(value, places)
+    return _NUMBERS.get(key, anything)(value)
+
+
+def _places(rows: Iterable[Mapping[str, Any]]) -> int | None:
+    """Tell how many decimals estimates deserve: two digits of the largest standard error."""
+    errors = [row["standard_error"] for row in rows if isinstance(row.get("standard_error"), float)]
+    return decimals_for(max(errors)) if errors else None
 
 
 def _table(rows: list[dict[str, Any]], title: str) -> Table:
@@ -270,11 +287,12 @@ def _table(rows: list[dict[str, Any]], title: str) -> Table:
     ]
     shown = [key for key in keys if key not in long or key == keys[0]]
     note = " ".join(f"{titled(key)}: {rows[0][key]}." for key in long if key != keys[0])
+    places = _places(rows)
     words = {n for n, key in enumerate(shown) if any(isinstance(row.get(key), str) for row in rows)}
     return Table(
         title=f"{title.rstrip('.')}." if title else "Results.",
         head=tuple(_head(key) for key in shown),
-        rows=tuple(tuple(_cell(key, row.get(key)) for key in shown) for row in rows),
+        rows=tuple(tuple(_cell(key, row.get(key), places) for key in shown) for row in rows),
         text_columns=frozenset(words),
         note=note.replace("..", "."),
     )
@@ -293,5 +311,5 @@ def _facts(values: Mapping[str, Any], title: str) -> Table:
     return Table(
         title=f"{title.rstrip('.')}.",
         head=("Quantity", "Value"),
-        rows=tuple((_head(key), _cell(key, value)) for key, value in values.items()),
+        rows=tuple((_head(key), _cell(key, value, _places([values]))) for key, value in values.items()),
     )

@@ -221,6 +221,8 @@ def _briefly(variant: str) -> str:
 def _more(test: dict[str, Any]) -> list[Block]:
     """Tell the test that keeps people who lack a condition, where one was declared."""
     found = test.get("skillings_mack")
+    if reason := test.get("skillings_mack_not_computed_because"):
+        return [Paragraph(words=f"Skillings and Mack's test could not be made: {reason}.", kind="warning")]
     if not found or not found["cells_missing"]:
         return []
     words = (

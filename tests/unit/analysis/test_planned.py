@@ -283,6 +283,9 @@ def test_people_who_lack_a_condition_are_kept_where_that_is_declared() -> None:
     assert test.skillings_mack is not None
     assert (test.skillings_mack.n, test.skillings_mack.cells_missing) == (12, 12)
     assert analysis.run(PLAN, table).test("heart_rate").skillings_mack is None
+    alone = analysis.run(planned(missing="skillings_mack"), table[table["participant"] == "01"])
+    assert alone.test("heart_rate").skillings_mack is None
+    assert "2 or more people" in str(alone.test("heart_rate").skillings_mack_not_computed_because)
 
 
 def test_a_pair_has_its_shift_in_the_unit_of_the_outcome_and_its_evidence() -> None:
