@@ -171,7 +171,7 @@ def test_curves_that_cannot_be_compared_are_refused_in_words() -> None:
     a, times = smooth(rng, 4, 10), np.arange(10.0)
     with pytest.raises(InputError, match="no time at which everybody has a value"):
         cluster_permutation(np.where(np.eye(4, 1), np.nan, a), a, times, rng=rng)
-    with pytest.raises(InputError, match="curves of 1 participants"):
+    with pytest.raises(InputError, match="at least two people with all curves are needed, not 1"):
         cluster_permutation(a[:1], a[:1], times, rng=rng)
     with pytest.raises(ValueError, match="times_s must be rising"):
         cluster_permutation(a, a, times[::-1], rng=rng)
