@@ -249,7 +249,7 @@ def model_coverage(everything: pd.DataFrame, outcome: str, *, studies: int) -> d
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("outcome", ["heart_rate_mean_bpm", "dtw_m"])
+@pytest.mark.parametrize("outcome", ["heart_rate_mean_bpm", "dtw_m", "smoothness_rating"])
 def test_where_people_respond_differently_the_intervals_of_the_model_keep_their_word(
     protocol: StudyProtocol, crowd: Callable[[Effects], pd.DataFrame], outcome: str
 ) -> None:
