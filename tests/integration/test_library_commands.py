@@ -178,8 +178,12 @@ def test_browsing_writes_the_page_again(library: Path, capsys: pytest.CaptureFix
 def test_a_build_that_is_stopped_says_that_it_can_go_on(tmp_path: Path) -> None:
     out = tmp_path / "library"
     command = [sys.executable, "-m", "studykit", "library", "sample", "--workers", "1"]
+    # A process that was begun in the background hears no Ctrl-C, and its children would not either.
     process = subprocess.Popen(
-        [*command, "--segments", "4000", "--out", str(out)], stderr=subprocess.PIPE, text=True
+        [*command, "--segments", "4000", "--out", str(out)],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509 - no threads here
     )
     while not list(out.glob("takes/*.json")):
         assert process.poll() is None
